@@ -1,0 +1,17 @@
+# Compiler flags shared by every target: warnings as errors, and floating point that means what the source says
+# (no contraction, no fast-math), so that the same samples give the same bytes on every build.
+add_library(talbot_flags INTERFACE)
+target_compile_options(talbot_flags INTERFACE
+    -Wall -Wextra -Wconversion -Wshadow -Werror
+    -ffp-contract=off -fno-math-errno -fno-trapping-math)
+target_include_directories(talbot_flags INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_definitions(talbot_flags INTERFACE TALBOT_VERSION="${PROJECT_VERSION}")
+if(CMAKE_BUILD_TYPE STREQUAL "Debug")
+    target_compile_definitions(talbot_flags INTERFACE TALBOT_CHECKS=1)
+endif()
+if(TALBOT_SANITIZE)
+    target_compile_options(talbot_flags INTERFACE
+        -fsanitize=${TALBOT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    target_link_options(talbot_flags INTERFACE -fsanitize=${TALBOT_SANITIZE})
+    target_compile_definitions(talbot_flags INTERFACE TALBOT_CHECKS=1)
+endif()

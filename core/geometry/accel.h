@@ -1,0 +1,103 @@
+// The ray engine's interface: an immutable two-level structure over triangle meshes, instances and analytic spheres.
+// All coordinates are re-centred world coordinates. Everything here is robust by construction: watertight triangles, padded
+// slabs, identity-based exclusion; no tolerance depends on the scale of the scene.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "core/base/worker_pool.h"
+#include "core/math/ray.h"
+#include "core/math/vec.h"
+
+namespace talbot {
+
+struct Bounds {
+    Vec3f lower{kInfinity};
+    Vec3f upper{-kInfinity};
+
+    bool is_empty() const { return !(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z); }
+    void add(const Vec3f& p) {
+        lower = glm::min(lower, p);
+        upper = glm::max(upper, p);
+    }
+};
+
+// Triangles as the scene keeps them; the spans must outlive the build only (the structure copies what it needs).
+struct AccelMesh {
+    std::span<const Vec3f> positions;
+    std::span<const uint32_t> indices;  // three per triangle
+};
+
+struct AccelInstance {
+    uint32_t mesh = 0;
+    bool identity = true;           // then the mesh is already in world coordinates and is merged into the top level
+    Mat4d world_from_object{1.0};   // affine
+    bool filtered = false;          // its hits are put to the HitFilter, where a call has one
+};
+
+struct AccelSphere {
+    Vec3d center{0};
+    double radius = 0;
+    bool filtered = false;
+};
+
+enum class BuildQuality { fast, high };
+
+struct AccelInput {
+    std::vector<AccelMesh> meshes;
+    std::vector<AccelInstance> instances;  // Hit.id.instance indexes this
+    std::vector<AccelSphere> spheres;      // Hit.id = {kSphereInstance, index}
+    BuildQuality quality = BuildQuality::high;
+};
+
+// Decides whether a hit on a filtered instance counts. Must be a pure function of its arguments (the order of calls is not
+// defined): alpha coverage and camera-only back-face culling live here.
+struct HitFilter {
+    bool (*accepts)(const void* context, const Ray& ray, const Hit& hit) = nullptr;
+    const void* context = nullptr;
+};
+
+struct AccelStats {
+    uint64_t triangles = 0;  // stored ones; duplicates by spatial splits not counted
+    uint64_t instances = 0;
+    uint64_t spheres = 0;
+    uint64_t nodes = 0;
+    uint64_t bytes = 0;
+    uint64_t dropped_triangles = 0;  // non-finite or exactly degenerate, which no ray can hit
+    uint32_t depth = 0;
+    double build_seconds = 0;
+};
+
+class Accel {
+  public:
+    virtual ~Accel() = default;
+
+    // Closest hit in (0, t_max), ties by the lower PrimitiveId; false and an untouched hit when there is none. With a filter,
+    // hits on filtered instances count only if it accepts them.
+    virtual bool closest(const Ray& ray, Hit& hit) const = 0;
+    virtual bool closest(const Ray& ray, Hit& hit, const HitFilter& filter) const = 0;
+
+    // Whether anything lies in (0, t_max).
+    virtual bool occluded(const Ray& ray) const = 0;
+    virtual bool occluded(const Ray& ray, const HitFilter& filter) const = 0;
+
+    // Closest hit and the number of nodes visited, for the debug view.
+    virtual bool closest_counting(const Ray& ray, Hit& hit, uint32_t& steps) const = 0;
+
+    virtual const AccelStats& stats() const = 0;
+    virtual Bounds bounds() const = 0;
+};
+
+// Builds the structure; null only when stop was requested. progress, when given, is called with 0..1 from any thread.
+std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& pool, std::stop_token stop = {},
+                                         const std::function<void(float)>& progress = {});
+
+// The same interface without any acceleration structure, as the oracle of tests and the "BVH off" switch.
+std::unique_ptr<const Accel> build_brute_force(const AccelInput& input);
+
+}  // namespace talbot

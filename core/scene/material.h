@@ -1,0 +1,56 @@
+// A glTF material as plain data: every factor under its glTF name, with glTF's default. Edited as a value by the viewer.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "core/scene/texture.h"
+
+namespace talbot {
+
+enum class AlphaMode : uint8_t { opaque, mask, blend };
+
+struct Material {
+    std::string name;
+
+    // pbrMetallicRoughness
+    Vec4f base_color_factor{1, 1, 1, 1};  // linear RGB and alpha
+    TextureSlot base_color_texture;       // sRGB, A = alpha
+    float metallic_factor = 1;
+    float roughness_factor = 1;               // perceptual; GGX alpha = roughness^2
+    TextureSlot metallic_roughness_texture;   // G = roughness, B = metallic
+
+    TextureSlot normal_texture;
+    float normal_scale = 1;
+
+    Rgb emissive_factor{0};         // times emissive_strength: radiance in nits, front side only unless double_sided
+    float emissive_strength = 1;    // KHR_materials_emissive_strength
+    TextureSlot emissive_texture;   // sRGB
+
+    AlphaMode alpha_mode = AlphaMode::opaque;
+    float alpha_cutoff = 0.5f;
+    bool double_sided = false;
+    bool unlit = false;  // KHR_materials_unlit: emits base colour, neither lights nor is lit
+
+    float ior = 1.5f;  // KHR_materials_ior; 0 means Fresnel 1 everywhere, else >= 1
+
+    float specular_factor = 1;         // KHR_materials_specular
+    TextureSlot specular_texture;      // A
+    Rgb specular_color_factor{1};      // may exceed 1
+    TextureSlot specular_color_texture;  // sRGB
+
+    float transmission_factor = 0;     // KHR_materials_transmission
+    TextureSlot transmission_texture;  // R
+
+    float thickness_factor = 0;  // KHR_materials_volume; 0 = thin-walled, > 0 = closed volume
+    Rgb attenuation_color{1};    // white light's colour after attenuation_distance metres of world length
+    float attenuation_distance = std::numeric_limits<float>::infinity();
+
+    bool is_emissive() const {
+        return emissive_strength > 0 && (emissive_factor.x > 0 || emissive_factor.y > 0 || emissive_factor.z > 0);
+    }
+    bool is_volume() const { return transmission_factor > 0 && thickness_factor > 0; }
+};
+
+}  // namespace talbot
