@@ -1,0 +1,49 @@
+// What can be asked of a running session, as values. The session applies them in order of submission.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <variant>
+
+#include "core/scene/scene.h"
+#include "core/session/settings.h"
+
+namespace talbot {
+
+struct SetScene {
+    std::shared_ptr<const Scene> scene;
+    Camera camera;
+};
+struct SetCamera {
+    Camera camera;
+};
+struct SetMaterial {
+    uint32_t index;
+    Material material;
+};
+struct SetPunctualLight {
+    uint32_t index;
+    PunctualLight light;
+};
+struct SetEnvironment {
+    Environment environment;
+};
+struct SetSettings {
+    RenderSettings settings;
+};
+struct SetPaused {
+    bool paused;
+};
+struct SetPassLimit {
+    uint64_t passes;  // 0 = no limit
+};
+struct SetSelection {
+    std::optional<uint32_t> object;  // asks for object ids in the snapshots while set
+};
+struct Restart {};
+
+using Change = std::variant<SetScene, SetCamera, SetMaterial, SetPunctualLight, SetEnvironment, SetSettings, SetPaused,
+                            SetPassLimit, SetSelection, Restart>;
+
+}  // namespace talbot
