@@ -1,10 +1,13 @@
 // JPEG through libjpeg: baseline and progressive, grey and YCbCr, to RGBA8. CMYK is refused, since
 // it needs a colour profile.
-#include <jerror.h>
+
+// clang-format off
+#include <cstdio>   // before jpeglib.h, which uses FILE and size_t
 #include <jpeglib.h>
+#include <jerror.h>
+// clang-format on
 
 #include <csetjmp>
-#include <cstdio>
 
 #include "core/io/image_codecs.h"
 
