@@ -1,0 +1,1 @@
+"""The generator of Talbot's built-in scenes; started by ../generate.py."""

@@ -1,0 +1,51 @@
+"""Periodic gradient noise (Perlin 1985, with the quintic fade of Perlin 2002), evaluated a whole row at a time."""
+
+from math import cos, pi, sin
+from random import Random
+
+
+class Noise:
+    """One octave over the unit square with a whole number of cells each way; values lie in about -0.7..0.7."""
+
+    def __init__(self, seed, cells_x, cells_y, width, height):
+        random = Random(seed)
+        self.cells_x, self.cells_y, self.height = cells_x, cells_y, height
+        self.gradients = [[(cos(a), sin(a)) for a in (2 * pi * random.random() for _ in range(cells_x))]
+                          for _ in range(cells_y)]
+        self.columns = []
+        for x in range(width):
+            place = (x + 0.5) * cells_x / width
+            cell = int(place)
+            self.columns.append((cell, place - cell, _fade(place - cell)))
+
+    def row(self, y):
+        place = (y + 0.5) * self.cells_y / self.height
+        cell = int(place)
+        fraction = place - cell
+        blend = _fade(fraction)
+        upper, lower = self.gradients[cell], self.gradients[(cell + 1) % self.cells_y]
+        # For a fixed y each corner contributes slope * (distance in x) + level.
+        slopes = [a[0] + (b[0] - a[0]) * blend for a, b in zip(upper, lower)]
+        levels = [a[1] * fraction * (1 - blend) + b[1] * (fraction - 1) * blend for a, b in zip(upper, lower)]
+        cells = list(zip(slopes, levels, slopes[1:] + slopes[:1], levels[1:] + levels[:1]))
+        result = []
+        for index, x, fade in self.columns:
+            slope0, level0, slope1, level1 = cells[index]
+            left = slope0 * x + level0
+            result.append(left + (slope1 * (x - 1.0) + level1 - left) * fade)
+        return result
+
+
+def _fade(t):
+    return t * t * t * (t * (t * 6 - 15) + 10)
+
+
+class Fbm:
+    """Octaves of noise, each of twice the frequency and `gain` times the height."""
+
+    def __init__(self, seed, cells_x, cells_y, width, height, octaves, gain=0.5):
+        self.octaves = [(gain ** k, Noise(seed * 64 + k, cells_x << k, cells_y << k, width, height)) for k in range(octaves)]
+
+    def row(self, y):
+        rows = [[weight * v for v in noise.row(y)] for weight, noise in self.octaves]
+        return [sum(values) for values in zip(*rows)] if len(rows) > 1 else rows[0]
