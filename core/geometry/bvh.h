@@ -1,0 +1,113 @@
+// The stored form of the structure: nodes of eight boxes, leaves of up to eight blocks of four
+// triangles, and lists of objects (spheres and instances). Trees refer to nodes, blocks and objects
+// by index.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/geometry/accel.h"
+#include "core/math/ray.h"
+#include "core/math/vec.h"
+
+namespace talbot {
+
+inline constexpr uint32_t kNodeWidth = 8;
+inline constexpr uint32_t kBlockWidth = 4;
+inline constexpr uint32_t kMaxLeafItems = 8;  // blocks or objects
+// Wide levels built by surface area before the builder halves ranges, and the most that can follow.
+inline constexpr uint32_t kMaxAreaDepth = 32;
+inline constexpr uint32_t kMaxDepth = kMaxAreaDepth + 12;
+inline constexpr uint32_t kStackSize = kMaxDepth * (kNodeWidth - 1) + 1;
+
+// What a child is: an inner node's index, or a leaf's kind, number of items (less one) and first
+// item.
+class ChildRef {
+  public:
+    static constexpr uint32_t kLeafBit = 0x80000000u;
+    static constexpr uint32_t kObjectBit = 0x40000000u;
+    static constexpr uint32_t kCountShift = 27;
+    static constexpr uint32_t kIndexMask = (1u << kCountShift) - 1;
+
+    static uint32_t inner(uint64_t index) { return static_cast<uint32_t>(index); }
+    static uint32_t leaf(uint64_t first, uint64_t count, bool objects) {
+        return kLeafBit | (objects ? kObjectBit : 0u) |
+               (static_cast<uint32_t>(count - 1) << kCountShift) | static_cast<uint32_t>(first);
+    }
+    static bool is_leaf(uint32_t ref) { return (ref & kLeafBit) != 0; }
+    static bool is_objects(uint32_t ref) { return (ref & kObjectBit) != 0; }
+    static uint32_t count(uint32_t ref) { return ((ref >> kCountShift) & (kMaxLeafItems - 1)) + 1; }
+    static uint32_t first(uint32_t ref) { return ref & kIndexMask; }
+};
+
+// Planes in the order lower x, upper x, lower y, upper y, lower z, upper z. Unused children have an
+// empty box.
+struct alignas(64) WideNode {
+    float plane[6][kNodeWidth];
+    uint32_t child[kNodeWidth];
+};
+
+// Four triangles: coordinate [vertex][axis][lane]. Unused lanes hold NaN, which no test accepts.
+struct alignas(64) TriangleBlock {
+    float vertex[3][3][kBlockWidth];
+    float extent[kBlockWidth];
+    uint32_t primitive[kBlockWidth];
+    uint32_t instance[kBlockWidth];  // kNoId in the tree of a mesh that instances share
+};
+
+struct Tree {
+    std::vector<WideNode> nodes;
+    std::vector<TriangleBlock> blocks;
+    std::vector<uint32_t> objects;  // into BvhScene::objects
+    uint32_t root = 0;
+    bool is_empty = true;
+    Bounds bounds;
+    uint32_t depth = 0;
+    uint64_t triangles = 0;
+
+    uint64_t bytes() const {
+        return nodes.size() * sizeof(WideNode) + blocks.size() * sizeof(TriangleBlock) +
+               objects.size() * sizeof(uint32_t);
+    }
+};
+
+// A sphere, or a mesh under a transform.
+struct SceneObject {
+    bool is_sphere = false;
+    bool filtered = false;
+    uint32_t id = 0;  // index of the sphere or of the instance
+    uint32_t tree = 0;
+    Vec3d center{0};
+    double radius = 0;
+    Mat3d object_from_world{1.0};
+    Vec3d object_from_world_offset{0};
+};
+
+struct BvhScene {
+    Tree top;
+    std::vector<Tree> trees;
+    std::vector<SceneObject> objects;
+    std::vector<uint8_t> filtered;  // per instance
+};
+
+// Traversal routines for one instruction set and one kind of scene.
+struct TraversalKernels {
+    bool (*closest)(const BvhScene& scene, const Ray& ray, Hit& hit, const HitFilter* filter,
+                    uint32_t* steps) = nullptr;
+    bool (*closest_filtered)(const BvhScene& scene, const Ray& ray, Hit& hit,
+                             const HitFilter* filter, uint32_t* steps) = nullptr;
+    bool (*closest_counting)(const BvhScene& scene, const Ray& ray, Hit& hit,
+                             const HitFilter* filter, uint32_t* steps) = nullptr;
+    bool (*occluded)(const BvhScene& scene, const Ray& ray, const HitFilter* filter) = nullptr;
+    bool (*occluded_filtered)(const BvhScene& scene, const Ray& ray,
+                              const HitFilter* filter) = nullptr;
+};
+
+// The best routines that this processor runs.
+TraversalKernels choose_kernels(bool has_objects, bool has_filtered);
+
+// Name of the instruction set that choose_kernels takes, for run records.
+const char* traversal_target_name();
+
+}  // namespace talbot

@@ -1,0 +1,413 @@
+// Top-down build: a node takes up to eight children by splitting the child of largest area again
+// and again. The upper levels are built first, then their subtrees in parallel, each into its own
+// arrays, joined in a fixed order: the tree does not depend on the number of threads. References:
+// Wald 2007, "On fast construction of SAH-based bounding volume hierarchies"; Wald et al. 2008,
+// "Getting rid of packets" (wide trees).
+#include "core/geometry/bvh_build.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <limits>
+#include <vector>
+
+#include "core/base/check.h"
+
+namespace talbot {
+namespace {
+
+constexpr uint32_t kBins = 16;
+constexpr uint64_t kSubtreeSize =
+    4096;  // primitives that one task takes at most, if the range can be split
+
+struct Box {
+    Vec3f lower{kInfinity};
+    Vec3f upper{-kInfinity};
+
+    void add(const Vec3f& lo, const Vec3f& hi) {
+        lower = glm::min(lower, lo);
+        upper = glm::max(upper, hi);
+    }
+    void add(const Box& b) { add(b.lower, b.upper); }
+    // Half the surface; in double, so that boxes of any finite size have one.
+    double half_area() const {
+        const Vec3d e = Vec3d(upper) - Vec3d(lower);
+        return e.x < 0 ? 0.0 : e.x * e.y + e.y * e.z + e.z * e.x;
+    }
+};
+
+// A range of primitives that becomes one child: a leaf, or to be split at `split_bin` of `axis`
+// (kNoAxis: halved).
+struct Range {
+    static constexpr int kNoAxis = -1;
+    uint64_t begin = 0;
+    uint64_t end = 0;
+    Box box;
+    Box centroids;  // of doubled centroids, lower + upper
+    bool is_leaf = false;
+    int axis = kNoAxis;
+    uint32_t split_bin = 0;
+
+    uint64_t size() const { return end - begin; }
+};
+
+struct Binning {
+    Vec3f offset;
+    Vec3f scale;
+
+    explicit Binning(const Box& centroids) : offset(centroids.lower) {
+        const Vec3f e = centroids.upper - centroids.lower;
+        for (int i = 0; i < 3; ++i) {
+            const float s = static_cast<float>(kBins) / e[i];
+            scale[i] = e[i] > 0 && s < kInfinity ? s : 0.0f;
+        }
+    }
+    uint32_t bin(const BuildPrimitive& p, int axis) const {
+        const float x = (p.lower[axis] + p.upper[axis] - offset[axis]) * scale[axis];
+        return std::min(static_cast<uint32_t>(x), kBins - 1);
+    }
+};
+
+uint64_t blocks_of(uint64_t triangles) {
+    return (triangles + kBlockWidth - 1) / kBlockWidth;
+}
+
+class Builder {
+  public:
+    Builder(std::span<BuildPrimitive> primitives, const FillTriangle& fill, bool has_objects,
+            std::stop_token stop)
+        : primitives_(primitives), fill_(fill), has_objects_(has_objects), stop_(std::move(stop)) {}
+
+    Range make_range(uint64_t begin, uint64_t end, uint32_t depth) const {
+        Range range;
+        range.begin = begin;
+        range.end = end;
+        for (uint64_t i = begin; i < end; ++i) {
+            const BuildPrimitive& p = primitives_[i];
+            range.box.add(p.lower, p.upper);
+            const Vec3f c = p.lower + p.upper;
+            range.centroids.add(c, c);
+        }
+        choose_split(range, depth);
+        return range;
+    }
+
+    // Splits `range` into up to eight children, most promising first.
+    std::vector<Range> split_wide(const Range& range, uint32_t depth) {
+        std::vector<Range> children{range};
+        while (children.size() < kNodeWidth) {
+            size_t best = children.size();
+            double best_key = -1;
+            for (size_t i = 0; i < children.size(); ++i) {
+                if (children[i].is_leaf) continue;
+                // Past the depth limit the largest count goes first, so that every level divides it
+                // by eight.
+                const double key = depth < kMaxAreaDepth ? children[i].box.half_area()
+                                                         : static_cast<double>(children[i].size());
+                if (key > best_key) {
+                    best_key = key;
+                    best = i;
+                }
+            }
+            if (best == children.size()) break;
+            const uint64_t middle = partition(children[best]);
+            const Range whole = children[best];
+            children[best] = make_range(whole.begin, middle, depth);
+            children.push_back(make_range(middle, whole.end, depth));
+        }
+        return children;
+    }
+
+    // Builds the subtree below `range` into `tree` and returns its reference.
+    uint32_t build(const Range& range, uint32_t depth, Tree& tree) {
+        if (range.is_leaf) return make_leaf(range, tree);
+        TALBOT_CHECK(depth < kMaxDepth);
+        tree.depth = std::max(tree.depth, depth + 1);
+        const uint64_t index = tree.nodes.size();
+        tree.nodes.emplace_back();
+        if (stop_.stop_requested()) return ChildRef::inner(index);
+        const std::vector<Range> children = split_wide(range, depth);
+        std::array<uint32_t, kNodeWidth> refs{};
+        for (size_t i = 0; i < children.size(); ++i) refs[i] = build(children[i], depth + 1, tree);
+        fill_node(tree.nodes[index], children, refs);
+        return ChildRef::inner(index);
+    }
+
+    static void fill_node(WideNode& node, const std::vector<Range>& children,
+                          const std::array<uint32_t, kNodeWidth>& refs) {
+        for (size_t i = 0; i < kNodeWidth; ++i) {
+            const bool used = i < children.size();
+            const Box box = used ? children[i].box : Box{};
+            for (size_t axis = 0; axis < 3; ++axis) {
+                node.plane[2 * axis][i] = box.lower[static_cast<int>(axis)];
+                node.plane[2 * axis + 1][i] = box.upper[static_cast<int>(axis)];
+            }
+            node.child[i] = used ? refs[i] : 0;
+        }
+    }
+
+    uint32_t make_leaf(const Range& range, Tree& tree) const {
+        const std::span<BuildPrimitive> items = primitives_.subspan(range.begin, range.size());
+        if (items[0].instance == kObjectPrimitive) {
+            const uint64_t first = tree.objects.size();
+            for (const BuildPrimitive& p : items) tree.objects.push_back(p.index);
+            return ChildRef::leaf(first, items.size(), true);
+        }
+        const uint64_t first = tree.blocks.size();
+        for (size_t i = 0; i < items.size(); ++i) {
+            if (i % kBlockWidth == 0) tree.blocks.push_back(empty_block());
+            fill_(items[i], tree.blocks.back(), static_cast<uint32_t>(i % kBlockWidth));
+        }
+        tree.triangles += items.size();
+        return ChildRef::leaf(first, blocks_of(items.size()), false);
+    }
+
+  private:
+    static TriangleBlock empty_block() {
+        TriangleBlock block{};
+        for (auto& vertex : block.vertex) {
+            for (auto& axis : vertex)
+                std::fill(std::begin(axis), std::end(axis),
+                          std::numeric_limits<float>::quiet_NaN());
+        }
+        std::fill(std::begin(block.primitive), std::end(block.primitive), kNoId);
+        std::fill(std::begin(block.instance), std::end(block.instance), kNoId);
+        return block;
+    }
+
+    uint64_t count_objects(const Range& range) const {
+        if (!has_objects_) return 0;
+        uint64_t count = 0;
+        for (uint64_t i = range.begin; i < range.end; ++i)
+            count += primitives_[i].instance == kObjectPrimitive ? 1 : 0;
+        return count;
+    }
+
+    // Decides whether the range is a leaf, and else where it is split.
+    void choose_split(Range& range, uint32_t depth) const {
+        const uint64_t objects =
+            range.size() <= kMaxLeafItems * kBlockWidth ? count_objects(range) : range.size();
+        const bool may_be_leaf = !has_objects_
+                                     ? range.size() <= kMaxLeafItems * kBlockWidth
+                                     : objects == 0 || (objects == range.size() && objects == 1);
+        if (range.size() == 1 || (may_be_leaf && range.size() <= kBlockWidth)) {
+            range.is_leaf = true;
+            return;
+        }
+        const double split_cost = depth < kMaxAreaDepth ? choose_bin(range) : kInfinity;
+        const double leaf_cost =
+            static_cast<double>(blocks_of(range.size())) * range.box.half_area();
+        if (may_be_leaf && leaf_cost <= split_cost) range.is_leaf = true;
+    }
+
+    // Sets axis and split_bin of the cheapest split and returns its cost, infinite when there is
+    // none.
+    double choose_bin(Range& range) const {
+        struct Bin {
+            Box box;
+            uint64_t count = 0;
+        };
+        std::array<std::array<Bin, kBins>, 3> bins{};
+        const Binning binning(range.centroids);
+        for (uint64_t i = range.begin; i < range.end; ++i) {
+            const BuildPrimitive& p = primitives_[i];
+            for (int axis = 0; axis < 3; ++axis) {
+                Bin& bin = bins[static_cast<size_t>(axis)][binning.bin(p, axis)];
+                bin.box.add(p.lower, p.upper);
+                ++bin.count;
+            }
+        }
+        double best = kInfinity;
+        for (int axis = 0; axis < 3; ++axis) {
+            if (binning.scale[axis] == 0) continue;
+            const auto& row = bins[static_cast<size_t>(axis)];
+            std::array<double, kBins> right_cost{};
+            Box box;
+            uint64_t count = 0;
+            for (uint32_t i = kBins - 1; i > 0; --i) {
+                box.add(row[i].box);
+                count += row[i].count;
+                right_cost[i] = box.half_area() * static_cast<double>(blocks_of(count));
+            }
+            box = {};
+            count = 0;
+            for (uint32_t i = 1; i < kBins; ++i) {
+                box.add(row[i - 1].box);
+                count += row[i - 1].count;
+                if (count == 0 || count == range.size()) continue;
+                const double cost =
+                    box.half_area() * static_cast<double>(blocks_of(count)) + right_cost[i];
+                if (cost < best) {
+                    best = cost;
+                    range.axis = axis;
+                    range.split_bin = i;
+                }
+            }
+        }
+        return best + range.box.half_area();
+    }
+
+    // Orders the range's primitives for its split and returns where the second part begins.
+    uint64_t partition(const Range& range) {
+        const auto first = primitives_.begin() + static_cast<std::ptrdiff_t>(range.begin);
+        const auto last = primitives_.begin() + static_cast<std::ptrdiff_t>(range.end);
+        if (range.axis != Range::kNoAxis) {
+            const Binning binning(range.centroids);
+            const auto middle = std::partition(first, last, [&](const BuildPrimitive& p) {
+                return binning.bin(p, range.axis) < range.split_bin;
+            });
+            return static_cast<uint64_t>(middle - primitives_.begin());
+        }
+        // Objects and triangles never share a leaf.
+        const auto kinds = has_objects_ ? std::partition(first, last,
+                                                         [](const BuildPrimitive& p) {
+                                                             return p.instance != kObjectPrimitive;
+                                                         })
+                                        : first;
+        if (kinds != first && kinds != last && range.size() <= kMaxLeafItems * kBlockWidth) {
+            return static_cast<uint64_t>(kinds - primitives_.begin());
+        }
+        const Vec3f e = range.centroids.upper - range.centroids.lower;
+        const int axis = e.x > e.y ? (e.x > e.z ? 0 : 2) : (e.y > e.z ? 1 : 2);
+        const auto middle = first + static_cast<std::ptrdiff_t>(range.size() / 2);
+        if (e[axis] > 0) {
+            std::nth_element(
+                first, middle, last, [axis](const BuildPrimitive& p, const BuildPrimitive& q) {
+                    return p.lower[axis] + p.upper[axis] < q.lower[axis] + q.upper[axis];
+                });
+        }
+        return static_cast<uint64_t>(middle - primitives_.begin());
+    }
+
+    std::span<BuildPrimitive> primitives_;
+    const FillTriangle& fill_;
+    bool has_objects_;
+    std::stop_token stop_;
+};
+
+// The upper levels: nodes whose children are further such nodes or subtrees left to the tasks.
+struct UpperNode {
+    std::vector<Range> children;
+    std::array<uint32_t, kNodeWidth> upper{};    // index of the child's UpperNode, or kNoId
+    std::array<uint32_t, kNodeWidth> subtree{};  // index of the child's task, or kNoId
+};
+
+class UpperTree {
+  public:
+    uint32_t grow(Builder& builder, const Range& range, uint32_t depth, uint64_t subtree_size) {
+        const auto index = static_cast<uint32_t>(nodes.size());
+        nodes.emplace_back();
+        const std::vector<Range> children = builder.split_wide(range, depth);
+        for (size_t i = 0; i < children.size(); ++i) {
+            nodes[index].upper[i] = nodes[index].subtree[i] = kNoId;
+            if (children[i].is_leaf || children[i].size() <= subtree_size ||
+                depth + 1 >= kMaxAreaDepth) {
+                nodes[index].subtree[i] = static_cast<uint32_t>(tasks.size());
+                tasks.push_back({children[i], depth + 1, {}, 0});
+            } else {
+                const uint32_t child = grow(builder, children[i], depth + 1, subtree_size);
+                nodes[index].upper[i] = child;
+            }
+        }
+        nodes[index].children = children;
+        return index;
+    }
+
+    struct Task {
+        Range range;
+        uint32_t depth = 0;
+        Tree tree;
+        uint32_t root = 0;
+    };
+
+    std::vector<UpperNode> nodes;
+    std::vector<Task> tasks;
+};
+
+uint32_t shifted(uint32_t ref, const Tree& base) {
+    if (!ChildRef::is_leaf(ref)) return ChildRef::inner(ref + base.nodes.size());
+    const bool objects = ChildRef::is_objects(ref);
+    const uint64_t offset = objects ? base.objects.size() : base.blocks.size();
+    TALBOT_CHECK(ChildRef::first(ref) + offset <= ChildRef::kIndexMask);
+    return ChildRef::leaf(ChildRef::first(ref) + offset, ChildRef::count(ref), objects);
+}
+
+// Appends a task's tree and returns the reference to its root.
+uint32_t append(Tree& tree, UpperTree::Task& task) {
+    const uint32_t root = shifted(task.root, tree);
+    for (WideNode& node : task.tree.nodes) {
+        for (uint32_t& child : node.child) child = shifted(child, tree);
+    }
+    tree.nodes.insert(tree.nodes.end(), task.tree.nodes.begin(), task.tree.nodes.end());
+    tree.blocks.insert(tree.blocks.end(), task.tree.blocks.begin(), task.tree.blocks.end());
+    tree.objects.insert(tree.objects.end(), task.tree.objects.begin(), task.tree.objects.end());
+    tree.depth = std::max(tree.depth, task.tree.depth);
+    tree.triangles += task.tree.triangles;
+    task.tree = {};
+    return root;
+}
+
+void join(UpperTree& upper, Tree& tree) {
+    uint64_t nodes = upper.nodes.size();
+    uint64_t blocks = 0;
+    uint64_t objects = 0;
+    for (const UpperTree::Task& task : upper.tasks) {
+        nodes += task.tree.nodes.size();
+        blocks += task.tree.blocks.size();
+        objects += task.tree.objects.size();
+    }
+    tree.nodes.reserve(nodes);
+    tree.blocks.reserve(blocks);
+    tree.objects.reserve(objects);
+    tree.nodes.resize(upper.nodes.size());
+    std::vector<uint32_t> roots;
+    for (UpperTree::Task& task : upper.tasks) roots.push_back(append(tree, task));
+    for (size_t i = 0; i < upper.nodes.size(); ++i) {
+        const UpperNode& node = upper.nodes[i];
+        std::array<uint32_t, kNodeWidth> refs{};
+        for (size_t k = 0; k < node.children.size(); ++k) {
+            refs[k] =
+                node.upper[k] != kNoId ? ChildRef::inner(node.upper[k]) : roots[node.subtree[k]];
+        }
+        Builder::fill_node(tree.nodes[i], node.children, refs);
+    }
+}
+
+}  // namespace
+
+bool build_tree(std::span<BuildPrimitive> primitives, const FillTriangle& fill, WorkerPool* pool,
+                std::stop_token stop, const std::function<void(uint64_t)>& progress, Tree& tree) {
+    tree = {};
+    if (primitives.empty()) return true;
+    const bool has_objects =
+        std::any_of(primitives.begin(), primitives.end(),
+                    [](const BuildPrimitive& p) { return p.instance == kObjectPrimitive; });
+    Builder builder(primitives, fill, has_objects, stop);
+    const Range whole = builder.make_range(0, primitives.size(), 0);
+    tree.is_empty = false;
+    tree.bounds = {whole.box.lower, whole.box.upper};
+    if (pool == nullptr || primitives.size() <= kSubtreeSize || whole.is_leaf) {
+        tree.root = builder.build(whole, 0, tree);
+        if (progress) progress(primitives.size());
+        return !stop.stop_requested();
+    }
+    UpperTree upper;
+    upper.grow(builder, whole, 0, std::max(kSubtreeSize, primitives.size() / 64));
+    std::atomic<uint64_t> done{0};
+    pool->parallel_for(
+        upper.tasks.size(),
+        [&](uint64_t i, unsigned) {
+            UpperTree::Task& task = upper.tasks[i];
+            task.root = builder.build(task.range, task.depth, task.tree);
+            const uint64_t now = done.fetch_add(task.range.size()) + task.range.size();
+            if (progress) progress(now);
+        },
+        stop);
+    if (stop.stop_requested()) return false;
+    join(upper, tree);
+    tree.depth = std::max(tree.depth, 1u);
+    tree.root = ChildRef::inner(0);
+    return true;
+}
+
+}  // namespace talbot

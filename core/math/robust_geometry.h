@@ -1,0 +1,48 @@
+// Tolerances of ray traversal. All of them are relative (multiples of the unit roundoff) or powers
+// of two that only bound the range of coordinates, so that scaling a scene by a power of two
+// changes no bit.
+#pragma once
+
+namespace talbot {
+
+// A vertex or ray origin beyond this (in metres) is treated as not finite: squares and their
+// products stay in range below it.
+inline constexpr float kMaxCoordinate = 0x1p50f;
+
+// The largest component of a direction must lie between these for the float kernels; others are
+// rescaled by a power of two.
+inline constexpr float kMinDirection = 0x1p-16f;
+inline constexpr float kMaxDirection = 0x1p16f;
+
+// A direction component below this share of the largest one counts as parallel to the slab.
+inline constexpr float kParallelShare = 0x1p-60f;
+// Its reciprocal is then a power of two, so that the sign of (plane - origin) survives, and the
+// slab's pad is this many times the largest t of interest, so that the slab never limits a ray that
+// runs inside or on it.
+inline constexpr float kParallelReciprocal = 0x1p76f;
+inline constexpr float kParallelReach = 0x1p35f;
+
+// Slabs. With r = fl(1 / d) and c = fl(o r), a plane p is met at fl(p r - c). Against (p - o) / d
+// that carries at most 3 eps |t| from the reciprocal, a product that may be rounded, and the last
+// rounding, and at most 3 eps |c| from c itself and from a rounded product; padding c adds one more
+// eps |c| (after Ize 2013, section 3, for the form with one product).
+inline constexpr float kSlabOriginPad = 0x6p-24f;
+// Near and far differ by at most 6 eps relative, and the reported t is rounded once more.
+inline constexpr float kSlabFarFactor = 1 + 0x10p-24f;
+
+// Edge functions of a triangle sheared along the ray (Woop, Benthin, Wald 2013): with e the largest
+// coordinate difference between two vertices and z the depth of one, a computed edge function
+// differs from the exact one by at most eps e (40 z + 160 e) whenever the ray meets the triangle
+// (first-order terms; the constants below leave a fifth for the rest).
+inline constexpr float kEdgeErrorDepth = 48;
+inline constexpr float kEdgeErrorExtent = 4;
+inline constexpr float kEdgeErrorFloor = 0x1p-120f;  // products flushed to zero
+inline constexpr double kDoubleEpsilon = 0x1p-53;
+// Doubled area in units of the error above, below which barycentrics are computed exactly.
+inline constexpr double kWellShaped = 0x1p22;
+
+// World bounds of an instance are widened by this share of the largest coordinate: the ray is
+// rounded once in object space.
+inline constexpr double kInstanceBoundsPad = 0x40p-24;
+
+}  // namespace talbot
