@@ -1,4 +1,5 @@
-// Every tolerance, error bound and guarded operation of the core that is not part of ray-triangle traversal lives here.
+// Every tolerance, error bound and guarded operation of the core that is not part of ray-triangle
+// traversal lives here.
 #pragma once
 
 #include <bit>
@@ -12,7 +13,8 @@ namespace talbot {
 // Unit roundoff of float.
 inline constexpr float kFloatEpsilon = 0x1p-24f;
 
-// Bound on the relative error of n rounded float operations: n eps / (1 - n eps) (Higham 2002, section 3.1).
+// Bound on the relative error of n rounded float operations: n eps / (1 - n eps) (Higham 2002,
+// section 3.1).
 constexpr float gamma_bound(int n) {
     const float ne = static_cast<float>(n) * kFloatEpsilon;
     return ne / (1 - ne);
@@ -27,21 +29,45 @@ inline constexpr float kDeltaAlpha = 1e-3f;
 // |eta - 1| below which an interface is none at all.
 inline constexpr float kIndexMatched = 1e-6f;
 
+// Sine of the angle below which a direction counts as parallel to a camera's up vector.
+inline constexpr double kParallelSine = 1e-6;
+
 // Survival probability of Russian roulette is never below this.
 inline constexpr float kMinSurvival = 0.05f;
 
+// Half a step of an 8-bit normal map: 127 and 128 of 255 both mean zero.
+inline constexpr float kNormalMapStep = 1.01f / 255;
+
+// A triangle light is sampled by solid angle when area / distance^2 exceeds this; below, its cosine
+// and distance hardly vary.
+inline constexpr float kSolidAngleSampling = 0.01f;
+
 // Finite test on the bits, so that it holds under any compiler flag.
-inline bool is_finite(float x) { return (std::bit_cast<uint32_t>(x) & 0x7F800000u) != 0x7F800000u; }
+inline bool is_finite(float x) {
+    return (std::bit_cast<uint32_t>(x) & 0x7F800000u) != 0x7F800000u;
+}
 inline bool is_finite(double x) {
     return (std::bit_cast<uint64_t>(x) & 0x7FF0000000000000ull) != 0x7FF0000000000000ull;
 }
-inline bool is_finite(const Vec2f& v) { return is_finite(v.x) && is_finite(v.y); }
-inline bool is_finite(const Vec3f& v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
-inline bool is_finite(const Vec4f& v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z) && is_finite(v.w); }
-inline bool is_finite(const Vec3d& v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
+inline bool is_finite(const Vec2f& v) {
+    return is_finite(v.x) && is_finite(v.y);
+}
+inline bool is_finite(const Vec3f& v) {
+    return is_finite(v.x) && is_finite(v.y) && is_finite(v.z);
+}
+inline bool is_finite(const Vec4f& v) {
+    return is_finite(v.x) && is_finite(v.y) && is_finite(v.z) && is_finite(v.w);
+}
+inline bool is_finite(const Vec3d& v) {
+    return is_finite(v.x) && is_finite(v.y) && is_finite(v.z);
+}
 
-inline float safe_sqrt(float x) { return std::sqrt(x > 0 ? x : 0.0f); }
-inline float clamp01(float x) { return x < 0 ? 0.0f : (x > 1 ? 1.0f : x); }
+inline float safe_sqrt(float x) {
+    return std::sqrt(x > 0 ? x : 0.0f);
+}
+inline float clamp01(float x) {
+    return x < 0 ? 0.0f : (x > 1 ? 1.0f : x);
+}
 
 // a b - c d with an error of at most 1.5 ulp (Kahan; Jeannerod et al. 2013).
 inline float difference_of_products(float a, float b, float c, float d) {
@@ -52,11 +78,13 @@ inline float difference_of_products(float a, float b, float c, float d) {
 
 // Cross product whose components carry 1.5 ulp each.
 inline Vec3f stable_cross(const Vec3f& a, const Vec3f& b) {
-    return Vec3f(difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
+    return Vec3f(difference_of_products(a.y, b.z, a.z, b.y),
+                 difference_of_products(a.z, b.x, a.x, b.z),
                  difference_of_products(a.x, b.y, a.y, b.x));
 }
 
-// Normalised v, in double inside, so that no representable non-zero length over- or underflows; fallback for zero.
+// Normalised v, in double inside, so that no representable non-zero length over- or underflows;
+// fallback for zero.
 inline Vec3f safe_normalize(const Vec3f& v, const Vec3f& fallback) {
     const Vec3d w(v);
     const double square = dot(w, w);
@@ -64,8 +92,8 @@ inline Vec3f safe_normalize(const Vec3f& v, const Vec3f& fallback) {
     return Vec3f(w / std::sqrt(square));
 }
 
-// Weight of strategy a against b by the power heuristic, in ratio form: no overflow for any densities, infinity included
-// (Veach 1997, section 9.2.4). Both 0 gives 0.
+// Weight of strategy a against b by the power heuristic, in ratio form: no overflow for any
+// densities, infinity included (Veach 1997, section 9.2.4). Both 0 gives 0.
 inline float power_heuristic(float pdf_a, float pdf_b) {
     if (!(pdf_a > 0)) return 0;
     if (!(pdf_b > 0)) return 1;
@@ -81,12 +109,18 @@ inline float power_heuristic(float pdf_a, float pdf_b) {
 }
 
 // Next float away from zero direction-wise: one step towards +inf or -inf.
-inline float next_float_up(float x) { return std::nextafter(x, kInfinity); }
-inline float next_float_down(float x) { return std::nextafter(x, -kInfinity); }
+inline float next_float_up(float x) {
+    return std::nextafter(x, kInfinity);
+}
+inline float next_float_down(float x) {
+    return std::nextafter(x, -kInfinity);
+}
 
-// p moved off a surface with unit normal n, to the side that `direction` points to, by a bound on p's own error (error >= 0 per
-// axis), rounded away from the surface (Pharr, Jakob, Humphreys 2023, section 6.8.6).
-inline Vec3f offset_ray_origin(const Vec3f& p, const Vec3f& error, const Vec3f& n, const Vec3f& direction) {
+// p moved off a surface with unit normal n, to the side that `direction` points to, by a bound on
+// p's own error (error >= 0 per axis), rounded away from the surface (Pharr, Jakob, Humphreys 2023,
+// section 6.8.6).
+inline Vec3f offset_ray_origin(const Vec3f& p, const Vec3f& error, const Vec3f& n,
+                               const Vec3f& direction) {
     const float distance = dot(glm::abs(n), error);
     Vec3f offset = distance * n;
     if (dot(direction, n) < 0) offset = -offset;

@@ -1,0 +1,13 @@
+#include "core/integrate/kernel.h"
+
+#include "core/integrate/tile_kernel.h"
+
+namespace talbot {
+
+TileKernel tile_kernel(std::size_t tier) {
+    constexpr std::array<TileKernel, kTiers.size()> kKernels{
+        render_tile_matte, render_tile_glossy, render_tile_textured, render_tile_full};
+    return kKernels[tier];
+}
+
+}  // namespace talbot

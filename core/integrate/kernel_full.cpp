@@ -1,0 +1,9 @@
+#include "core/integrate/tile_kernel.h"
+
+namespace talbot {
+
+void render_tile_full(const TileJob& job, const std::stop_token& stop, TileCounts& counts) {
+    render_tile<kFullTier>(job, stop, counts);
+}
+
+}  // namespace talbot

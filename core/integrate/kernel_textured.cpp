@@ -1,0 +1,9 @@
+#include "core/integrate/tile_kernel.h"
+
+namespace talbot {
+
+void render_tile_textured(const TileJob& job, const std::stop_token& stop, TileCounts& counts) {
+    render_tile<kTexturedTier>(job, stop, counts);
+}
+
+}  // namespace talbot

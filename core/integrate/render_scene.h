@@ -1,0 +1,53 @@
+// What the kernels read: the scene with its light table, its effects and per-pixel-independent
+// settings. Immutable.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/integrate/sampling_kinds.h"
+#include "core/lights/light_table.h"
+#include "core/scene/effects.h"
+#include "core/scene/scene.h"
+
+namespace talbot {
+
+// Settings of the estimator that change pixels.
+struct PathSettings {
+    uint32_t max_depth = 64;
+    SamplerKind sampler = SamplerKind::sobol;
+    FilterKind filter = FilterKind::box;
+    bool russian_roulette = true;
+    bool next_event_estimation = true;
+    bool transparent_background = false;
+    uint64_t seed = 0;
+};
+
+// How hits on an instance or sphere are treated by the coverage filter.
+enum CoverageFlags : uint8_t { kCoverageAlpha = 1, kCoverageSingleSided = 2 };
+
+class RenderScene {
+  public:
+    // Reuses what `previous` shares with the new scene.
+    RenderScene(std::shared_ptr<const Scene> scene, const RenderScene* previous = nullptr);
+
+    const Scene& scene() const { return *scene_; }
+    const std::shared_ptr<const Scene>& shared_scene() const { return scene_; }
+    const LightTable& lights() const { return lights_; }
+
+    uint8_t coverage_flags(PrimitiveId id) const {
+        return id.instance == kSphereInstance ? sphere_coverage_[id.primitive]
+                                              : instance_coverage_[id.instance];
+    }
+    // Flags that occur anywhere.
+    uint8_t any_coverage() const { return any_coverage_; }
+
+  private:
+    std::shared_ptr<const Scene> scene_;
+    LightTable lights_;
+    std::vector<uint8_t> instance_coverage_;
+    std::vector<uint8_t> sphere_coverage_;
+    uint8_t any_coverage_ = 0;
+};
+
+}  // namespace talbot

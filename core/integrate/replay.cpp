@@ -1,0 +1,91 @@
+#include "core/integrate/replay.h"
+
+#include <cstdarg>
+#include <cstdio>
+
+#include "core/integrate/path.h"
+#include "core/integrate/tiers.h"
+
+namespace talbot {
+namespace {
+
+[[gnu::format(printf, 2, 3)]] void append(std::string& log, const char* format, ...) {
+    char line[512];
+    va_list arguments;
+    va_start(arguments, format);
+    std::vsnprintf(line, sizeof(line), format, arguments);
+    va_end(arguments);
+    log += line;
+}
+
+double wide(float x) {
+    return static_cast<double>(x);
+}
+
+struct StepRecorder {
+    static constexpr bool kActive = true;
+    const RenderScene* scene;
+    std::string log;
+
+    void ray(uint32_t bounce, const Ray& ray, bool found, const Hit& hit, const PathState& path) {
+        append(log, "ray %u  origin (%.9g, %.9g, %.9g)  direction (%.9g, %.9g, %.9g)\n", bounce,
+               wide(ray.o.x), wide(ray.o.y), wide(ray.o.z), wide(ray.d.x), wide(ray.d.y),
+               wide(ray.d.z));
+        append(log, "  beta (%.6g, %.6g, %.6g)  Li so far (%.6g, %.6g, %.6g)\n", wide(path.beta.x),
+               wide(path.beta.y), wide(path.beta.z), wide(path.Li.x), wide(path.Li.y),
+               wide(path.Li.z));
+        if (!found) {
+            append(log, "  escapes to the environment\n");
+            return;
+        }
+        const uint32_t object = scene->scene().object_of(hit.id);
+        append(log, "  hits t %.9g  %s %u primitive %u  object '%s'\n", wide(hit.t),
+               hit.is_sphere() ? "sphere" : "instance", hit.id.instance, hit.id.primitive,
+               scene->scene().objects()[object].name.c_str());
+    }
+
+    void vertex(uint32_t bounce, const SurfaceInteraction& si, const Material& material,
+                const ShadingParams& params, const std::optional<BsdfSample>& scattered,
+                const PathState& path) {
+        append(log,
+               "  vertex %u  material '%s'  %s  n_geometric (%.6g, %.6g, %.6g)  n_shading (%.6g, "
+               "%.6g, %.6g)\n",
+               bounce, material.name.c_str(), si.front ? "front" : "back", wide(si.n_geometric.x),
+               wide(si.n_geometric.y), wide(si.n_geometric.z), wide(si.shading.n.x),
+               wide(si.shading.n.y), wide(si.shading.n.z));
+        append(log,
+               "  base colour (%.6g, %.6g, %.6g)  metallic %.6g  alpha %.6g  transmission %.6g\n",
+               wide(params.base_color.x), wide(params.base_color.y), wide(params.base_color.z),
+               wide(params.metallic), wide(params.alpha), wide(params.transmission));
+        append(log, "  Li after emission and direct light (%.6g, %.6g, %.6g)\n", wide(path.Li.x),
+               wide(path.Li.y), wide(path.Li.z));
+        if (!scattered) {
+            append(log, "  is absorbed\n");
+            return;
+        }
+        append(log, "  scatters to (%.9g, %.9g, %.9g)  weight (%.6g, %.6g, %.6g)  pdf %.6g%s%s\n",
+               wide(scattered->wi.x), wide(scattered->wi.y), wide(scattered->wi.z),
+               wide(scattered->weight.x), wide(scattered->weight.y), wide(scattered->weight.z),
+               wide(scattered->pdf), scattered->delta ? "  delta" : "",
+               scattered->transmitted ? "  transmitted" : "");
+    }
+};
+
+}  // namespace
+
+std::string replay_sample(const RenderScene& scene, const CameraRays& camera,
+                          const PathSettings& settings, uint32_t x, uint32_t y,
+                          uint64_t sample_index) {
+    StepRecorder recorder{&scene, {}};
+    append(recorder.log, "pixel %u,%u  sample %llu  seed %llu\n", x, y,
+           static_cast<unsigned long long>(sample_index),
+           static_cast<unsigned long long>(settings.seed));
+    const PathSample sample =
+        trace_path<kFullTier>(scene, camera, settings, x, y, sample_index, recorder);
+    append(recorder.log, "radiance (%.9g, %.9g, %.9g) = (%a, %a, %a)  rays %u\n", wide(sample.Li.x),
+           wide(sample.Li.y), wide(sample.Li.z), wide(sample.Li.x), wide(sample.Li.y),
+           wide(sample.Li.z), sample.rays);
+    return recorder.log;
+}
+
+}  // namespace talbot

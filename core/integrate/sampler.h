@@ -1,0 +1,87 @@
+// The stateless sampler: a point of [0,1)^2 is a pure function of (seed, pixel, sample index,
+// dimension pair). Pairs are assigned by purpose and bounce (see Purpose), never by "next call", so
+// kernels that skip an effect see the same numbers. Sobol': each pair is the (0,2)-sequence with
+// its index shuffled and its values scrambled by nested uniform scrambling in hash form (Burley
+// 2020; constants of Vegdahl 2021). The upper 32 bits of the sample index enter the seeds.
+#pragma once
+
+#include <cstdint>
+
+#include "core/integrate/sampling_kinds.h"
+#include "core/math/sample_bits.h"
+#include "core/math/vec.h"
+
+namespace talbot {
+
+// Dimension pairs. Camera pairs come first, then kPairsPerBounce for each vertex of the path.
+enum class Purpose : uint32_t { pixel = 0, lens = 1, bounce = 2 };
+inline constexpr uint32_t kPairsPerBounce = 4;
+enum class BouncePair : uint32_t { light = 0, bsdf = 1, choice = 2, roulette = 3 };
+
+constexpr uint32_t bounce_pair(uint32_t bounce, BouncePair pair) {
+    return static_cast<uint32_t>(Purpose::bounce) + bounce * kPairsPerBounce +
+           static_cast<uint32_t>(pair);
+}
+
+// Hash form of a nested uniform scramble on bit-reversed input (Laine and Karras 2011; Vegdahl
+// 2021).
+constexpr uint32_t laine_karras(uint32_t x, uint32_t seed) {
+    x ^= x * 0x3D20ADEAu;
+    x += seed;
+    x *= (seed >> 16) | 1u;
+    x ^= x * 0x05526C56u;
+    x ^= x * 0x53A22864u;
+    return x;
+}
+
+// Second Sobol' dimension of index, bit-reversed: the Pascal matrix modulo 2 as a product of five
+// butterflies.
+constexpr uint32_t sobol_second_reversed(uint32_t index) {
+    index ^= (index >> 1) & 0x55555555u;
+    index ^= (index >> 2) & 0x33333333u;
+    index ^= (index >> 4) & 0x0F0F0F0Fu;
+    index ^= (index >> 8) & 0x00FF00FFu;
+    index ^= (index >> 16) & 0x0000FFFFu;
+    return index;
+}
+
+class Sampler {
+  public:
+    Sampler(SamplerKind kind, uint64_t seed, uint32_t x, uint32_t y, uint64_t index)
+        : kind_(kind), index_(static_cast<uint32_t>(index)) {
+        uint32_t key =
+            hash_combine(hash32(static_cast<uint32_t>(seed)), static_cast<uint32_t>(seed >> 32));
+        key = hash_combine(key, static_cast<uint32_t>(index >> 32));
+        key = hash_combine(key, x);
+        key_ = hash_combine(key, y);
+    }
+
+    // The point of one dimension pair.
+    Vec2f pair(uint32_t pair) const {
+        const uint32_t seed = hash_combine(key_, pair);
+        if (kind_ == SamplerKind::independent) {
+            const uint32_t a = hash_combine(seed, index_);
+            return Vec2f(unit_float(a), unit_float(hash32(a ^ 0x68BC21EBu)));
+        }
+        const uint32_t shuffled = reverse_bits(laine_karras(reverse_bits(index_), seed));
+        const uint32_t x = reverse_bits(laine_karras(shuffled, hash32(seed ^ 0xA511E9B3u)));
+        const uint32_t y =
+            reverse_bits(laine_karras(sobol_second_reversed(shuffled), hash32(seed ^ 0x63D83595u)));
+        return Vec2f(unit_float(x), unit_float(y));
+    }
+
+    Vec2f pair(Purpose purpose) const { return pair(static_cast<uint32_t>(purpose)); }
+    Vec2f pair(uint32_t bounce, BouncePair which) const { return pair(bounce_pair(bounce, which)); }
+
+    // Bits for decisions that traversal makes per primitive (stochastic coverage).
+    uint32_t coverage_seed(uint32_t bounce, uint32_t salt) const {
+        return hash_combine(hash_combine(key_ ^ 0xC2B2AE35u, index_), bounce * 2 + salt);
+    }
+
+  private:
+    SamplerKind kind_;
+    uint32_t index_;
+    uint32_t key_;
+};
+
+}  // namespace talbot

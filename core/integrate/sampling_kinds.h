@@ -1,0 +1,32 @@
+// The kinds of sampler and pixel filter, each with its words for the command line and the panel.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace talbot {
+
+enum class SamplerKind : uint8_t { sobol, independent };
+struct SamplerInfo {
+    SamplerKind kind;
+    std::string_view name;
+    std::string_view label;
+};
+inline constexpr std::array<SamplerInfo, 2> kSamplers{{
+    {SamplerKind::sobol, "sobol", "Sobol' (Owen-scrambled)"},
+    {SamplerKind::independent, "independent", "Independent"},
+}};
+
+enum class FilterKind : uint8_t { box, blackman_harris };
+struct FilterInfo {
+    FilterKind kind;
+    std::string_view name;
+    std::string_view label;
+};
+inline constexpr std::array<FilterInfo, 2> kFilters{{
+    {FilterKind::box, "box", "Box (1 px)"},
+    {FilterKind::blackman_harris, "blackman-harris", "Blackman-Harris (3.3 px)"},
+}};
+
+}  // namespace talbot

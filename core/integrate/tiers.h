@@ -1,0 +1,49 @@
+// The compiled kernel tiers, smallest first. Each names the effects that its template is compiled
+// with; effects that cost only a few instructions a path are part of every tier and tested at run
+// time.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "core/scene/effects.h"
+
+namespace talbot {
+
+inline constexpr EffectSet kOncePerPathEffects =
+    (Effect::single_sided | Effect::environment) | Effect::environment_image |
+    Effect::punctual_lights | Effect::emissive_meshes | Effect::many_lights |
+    Effect::analytic_spheres | Effect::instancing | Effect::depth_of_field;
+
+// Diffuse surfaces without textures.
+inline constexpr EffectSet kMatteTier = kOncePerPathEffects;
+// + GGX reflection, still by factors only.
+inline constexpr EffectSet kGlossyTier = kMatteTier | Effect::glossy | Effect::specular;
+// + every texture, opaque.
+inline constexpr EffectSet kTexturedTier = kGlossyTier | Effect::base_color_texture |
+                                           Effect::metallic_roughness_texture | Effect::normal_map |
+                                           Effect::emissive_texture | Effect::vertex_color |
+                                           Effect::second_uv | Effect::uv_transform;
+// Everything.
+inline constexpr EffectSet kFullTier = EffectSet::all();
+
+struct TierInfo {
+    EffectSet effects;
+    std::string_view name;
+};
+inline constexpr std::array<TierInfo, 4> kTiers{{
+    {kMatteTier, "matte"},
+    {kGlossyTier, "glossy"},
+    {kTexturedTier, "textured"},
+    {kFullTier, "full"},
+}};
+static_assert(kTiers.back().effects == EffectSet::all(), "the last tier covers every scene");
+
+// Index of the first tier that covers the effects.
+constexpr std::size_t smallest_tier(EffectSet effects) {
+    std::size_t tier = 0;
+    while (!kTiers[tier].effects.covers(effects)) ++tier;
+    return tier;
+}
+
+}  // namespace talbot

@@ -1,0 +1,187 @@
+#include "core/lights/light_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/lights/surface_light.h"
+#include "core/math/robust.h"
+
+namespace talbot {
+namespace {
+
+// Mean of an emissive texture over a grid, never quite black, so that a small bright spot keeps its
+// chance.
+double mean_emission(const Scene& scene, const Material& material) {
+    const Rgb factor = material.emissive_factor * material.emissive_strength;
+    if (!material.emissive_texture.used()) return luminance(factor);
+    constexpr int kGrid = 64;
+    constexpr double kFloor = 0.01;
+    const Texture& texture = scene.textures()[material.emissive_texture.texture];
+    double sum = 0;
+    for (int y = 0; y < kGrid; ++y) {
+        for (int x = 0; x < kGrid; ++x) {
+            const Vec2f uv((static_cast<float>(x) + 0.5f) / kGrid,
+                           (static_cast<float>(y) + 0.5f) / kGrid);
+            sum += luminance(factor * Rgb(eval_texture(texture, uv, TextureEncoding::srgb)));
+        }
+    }
+    return std::max(sum / (kGrid * kGrid), kFloor * luminance(factor));
+}
+
+double punctual_power(const PunctualLight& light, double scene_radius) {
+    const double intensity = light.intensity * static_cast<double>(luminance(light.color));
+    switch (light.kind) {
+        case PunctualKind::point:
+            return 4 * std::numbers::pi * intensity;
+        case PunctualKind::spot: {
+            const double cosine = std::cos(0.5 * (light.inner_cone_angle + light.outer_cone_angle));
+            return 2 * std::numbers::pi * (1 - cosine) * intensity;
+        }
+        case PunctualKind::directional:
+            return std::numbers::pi * scene_radius * scene_radius * intensity;
+    }
+    return 0;
+}
+
+}  // namespace
+
+Rgb emitted_radiance(const Scene& scene, const Material& material, const Vec2f& uv0,
+                     const Vec2f& uv1, bool front) {
+    if (!front && !material.double_sided) return Rgb(0);
+    Rgb radiance = material.emissive_factor * material.emissive_strength;
+    if (material.emissive_texture.used()) {
+        const TextureSlot& slot = material.emissive_texture;
+        const Vec2f uv = slot.apply(slot.uv_set == 0 ? uv0 : uv1);
+        radiance *= Rgb(eval_texture(scene.textures()[slot.texture], uv, TextureEncoding::srgb));
+    }
+    return radiance;
+}
+
+LightTable::LightTable(const Scene& scene, const LightTable* previous)
+    : environment_(scene.environment(), previous ? &previous->environment_ : nullptr) {
+    add_surface_lights(scene);
+    add_punctual_lights(scene);
+    std::vector<double> powers;
+    powers.reserve(lights_.size());
+    for (const Light& light : lights_) powers.push_back(light.power);
+    choice_ = DiscreteDistribution(powers);
+    if (environment_.is_sampled()) environment_probability_ = choice_.is_empty() ? 1.0f : 0.5f;
+}
+
+void LightTable::add_surface_lights(const Scene& scene) {
+    const SceneGeometry& geometry = scene.geometry();
+    std::vector<double> emission(scene.materials().size(), 0);
+    for (std::size_t i = 0; i < emission.size(); ++i) {
+        const Material& material = scene.materials()[i];
+        if (material.is_emissive() && !material.unlit) emission[i] = mean_emission(scene, material);
+    }
+    first_light_of_instance_.assign(geometry.instances.size(), kNoId);
+    for (uint32_t i = 0; i < geometry.instances.size(); ++i) {
+        const SceneInstance& instance = geometry.instances[i];
+        if (!(emission[instance.material] > 0)) continue;
+        first_light_of_instance_[i] = static_cast<uint32_t>(lights_.size());
+        const uint64_t triangles = geometry.meshes[instance.mesh].triangle_count();
+        for (uint32_t t = 0; t < triangles; ++t) {
+            Light light = make_triangle_light(scene, {i, t});
+            light.power = std::numbers::pi * light.area * emission[instance.material] *
+                          (light.two_sided ? 2 : 1);
+            lights_.push_back(light);
+        }
+    }
+    light_of_sphere_.assign(geometry.spheres.size(), kNoId);
+    for (uint32_t i = 0; i < geometry.spheres.size(); ++i) {
+        const Sphere& sphere = geometry.spheres[i];
+        if (!(emission[sphere.material] > 0)) continue;
+        light_of_sphere_[i] = static_cast<uint32_t>(lights_.size());
+        Light light = make_sphere_light(scene, i);
+        light.power = std::numbers::pi * light.area * emission[sphere.material];
+        lights_.push_back(light);
+    }
+}
+
+void LightTable::add_punctual_lights(const Scene& scene) {
+    const Bounds& bounds = scene.geometry().bounds;
+    const double radius =
+        bounds.is_empty() ? 1.0 : 0.5 * length(Vec3d(bounds.upper) - Vec3d(bounds.lower));
+    for (uint32_t i = 0; i < scene.punctual_lights().size(); ++i) {
+        const PunctualLight& source = scene.punctual_lights()[i];
+        Light light;
+        light.kind = source.kind == PunctualKind::point  ? LightKind::point
+                     : source.kind == PunctualKind::spot ? LightKind::spot
+                                                         : LightKind::directional;
+        light.punctual = i;
+        light.p0 = Vec3f(source.position - scene.origin());
+        light.e1 = source.direction;
+        light.radiance = source.color * source.intensity;
+        light.power = punctual_power(source, radius);
+        lights_.push_back(light);
+    }
+}
+
+std::optional<LightSample> LightTable::sample(const Scene& scene, const Vec3f& p, float u_choice,
+                                              const Vec2f& u) const {
+    float probability = 1;
+    if (environment_probability_ > 0) {
+        if (u_choice < environment_probability_) {
+            const std::optional<EnvironmentSample> found = environment_.sample(u);
+            if (!found || !(found->pdf > 0)) return std::nullopt;
+            LightSample sample;
+            sample.wi = found->wi;
+            sample.radiance = found->radiance;
+            sample.pdf = found->pdf * environment_probability_;
+            sample.infinite = true;
+            return sample;
+        }
+        probability = 1 - environment_probability_;
+        u_choice = std::min((u_choice - environment_probability_) / probability, kOneMinusEpsilon);
+    }
+    if (choice_.is_empty()) return std::nullopt;
+    uint32_t index = 0;
+    if (lights_.size() > 1) {
+        const DiscreteDistribution::Pick pick = choice_.sample(u_choice);
+        index = pick.index;
+        probability *= pick.probability;
+    }
+    std::optional<LightSample> sample = sample_light(scene, lights_[index], p, u);
+    if (sample) sample->pdf *= probability;
+    return sample;
+}
+
+std::optional<LightSample> LightTable::sample_light(const Scene& scene, const Light& light,
+                                                    const Vec3f& p, const Vec2f& u) const {
+    switch (light.kind) {
+        case LightKind::triangle:
+            return sample_triangle_light(scene, light, p, u);
+        case LightKind::sphere:
+            return sample_sphere_light(scene, light, p, u);
+        case LightKind::point:
+        case LightKind::spot:
+        case LightKind::directional:
+            return sample_punctual_light(scene.punctual_lights()[light.punctual], light, p);
+    }
+    return std::nullopt;
+}
+
+uint32_t LightTable::light_of(PrimitiveId id) const {
+    if (id.instance == kSphereInstance) return light_of_sphere_[id.primitive];
+    const uint32_t first = first_light_of_instance_[id.instance];
+    return first == kNoId ? kNoId : first + id.primitive;
+}
+
+float LightTable::pdf_surface(const Vec3f& p, PrimitiveId id, const Vec3f& hit_point) const {
+    const uint32_t index = light_of(id);
+    if (index == kNoId) return 0;
+    const Light& light = lights_[index];
+    const float probability =
+        (1 - environment_probability_) * (lights_.size() > 1 ? choice_.probability(index) : 1.0f);
+    return probability * (light.kind == LightKind::triangle
+                              ? pdf_triangle_light(light, p, hit_point)
+                              : pdf_sphere_light(light, p));
+}
+
+float LightTable::pdf_environment(const Vec3f& d) const {
+    return environment_probability_ > 0 ? environment_probability_ * environment_.pdf(d) : 0.0f;
+}
+
+}  // namespace talbot

@@ -1,0 +1,85 @@
+// Everything that sends light, and how a shading point picks from it: emissive triangles and
+// spheres, punctual lights and the environment. Radiance in nits, densities per solid angle and
+// including the probability of the choice.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/lights/environment_light.h"
+#include "core/math/distribution.h"
+#include "core/math/ray.h"
+#include "core/scene/scene.h"
+
+namespace talbot {
+
+enum class LightKind : uint8_t { triangle, sphere, point, spot, directional };
+
+struct Light {
+    LightKind kind = LightKind::triangle;
+    bool two_sided = false;
+    uint32_t material = 0;
+    PrimitiveId id{};       // of emissive surfaces
+    uint32_t punctual = 0;  // index of a punctual light
+    Vec3f p0{0}, e1{0},
+        e2{0};   // triangle: corner and edges; punctual: position in p0, direction in e1
+    Vec3f n{0};  // triangle: front side
+    float area = 0;
+    Rgb radiance{0};   // factor x strength, before textures; intensity of punctual lights
+    double power = 0;  // estimated luminous power, for the choice
+};
+
+struct LightSample {
+    Vec3f wi{0, 0, 1};  // towards the light, unit
+    Rgb radiance{0};    // arriving, were nothing in the way
+    float pdf = 0;      // solid angle x choice; the probability of the choice for delta lights
+    bool delta = false;
+    bool infinite = false;  // the shadow ray has no end
+    Vec3f target{0};        // else it ends here, already moved off the light's surface
+    PrimitiveId id{};       // the emitter, which cannot hide itself
+};
+
+class LightTable {
+  public:
+    LightTable() = default;
+    // Reuses environment tables of `previous` where the image is the same.
+    explicit LightTable(const Scene& scene, const LightTable* previous = nullptr);
+
+    const std::vector<Light>& lights() const { return lights_; }
+    const EnvironmentLight& environment() const { return environment_; }
+    bool can_sample() const { return !choice_.is_empty() || environment_.is_sampled(); }
+
+    // One light for a point p, with u_choice picking it. Empty when the chosen light cannot send
+    // anything to p.
+    std::optional<LightSample> sample(const Scene& scene, const Vec3f& p, float u_choice,
+                                      const Vec2f& u) const;
+
+    // Density with which sample() at p gives the direction that hits `hit_point` on emitter `id`; 0
+    // for surfaces that are not sampled.
+    float pdf_surface(const Vec3f& p, PrimitiveId id, const Vec3f& hit_point) const;
+    // The same for the environment seen along d.
+    float pdf_environment(const Vec3f& d) const;
+
+  private:
+    void add_surface_lights(const Scene& scene);
+    void add_punctual_lights(const Scene& scene);
+    std::optional<LightSample> sample_light(const Scene& scene, const Light& light, const Vec3f& p,
+                                            const Vec2f& u) const;
+    uint32_t light_of(PrimitiveId id) const;
+
+    std::vector<Light> lights_;
+    DiscreteDistribution choice_;
+    EnvironmentLight environment_;
+    float environment_probability_ = 0;
+    std::vector<uint32_t> first_light_of_instance_;  // kNoId where nothing is emitted
+    std::vector<uint32_t> light_of_sphere_;
+};
+
+// Radiance that an emissive surface sends towards its front (or both sides), with its texture at
+// uv; black on the back.
+Rgb emitted_radiance(const Scene& scene, const Material& material, const Vec2f& uv0,
+                     const Vec2f& uv1, bool front);
+
+}  // namespace talbot

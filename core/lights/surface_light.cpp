@@ -1,0 +1,241 @@
+#include "core/lights/surface_light.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/lights/spherical_triangle.h"
+#include "core/math/frame.h"
+#include "core/math/robust.h"
+
+namespace talbot {
+namespace {
+
+TriangleView view_from(const Light& light, const Vec3f& p) {
+    TriangleView view;
+    view.a = Vec3d(light.p0) - Vec3d(p);
+    view.b = view.a + Vec3d(light.e1);
+    view.c = view.a + Vec3d(light.e2);
+    return view;
+}
+
+// A cheap upper-bound-like guess of the solid angle, the same on the sampling and the density side.
+bool looks_large(const Light& light, const Vec3f& p) {
+    const Vec3f center = light.p0 + (light.e1 + light.e2) * (1.0f / 3);
+    const Vec3f to = center - p;
+    return light.area > kSolidAngleSampling * dot(to, to);
+}
+
+Vec2f uv_at(const Mesh& mesh, uint32_t triangle, int set, float b1, float b2) {
+    if (mesh.uv[set].empty()) return Vec2f(0);
+    const uint32_t* i = &mesh.indices[std::size_t{3} * triangle];
+    return (1 - b1 - b2) * mesh.uv[set][i[0]] + b1 * mesh.uv[set][i[1]] + b2 * mesh.uv[set][i[2]];
+}
+
+// Half-angle terms of the cone that a sphere fills from p: 1 - cos and cos, without cancellation.
+struct SphereCone {
+    bool inside = false;
+    double distance2 = 0;
+    double sin2 = 0;
+    double cos = 0;
+    double one_minus_cos = 0;
+};
+
+SphereCone cone_of(const Vec3d& center, double radius, const Vec3f& p) {
+    SphereCone cone;
+    const Vec3d to = center - Vec3d(p);
+    cone.distance2 = dot(to, to);
+    cone.inside = !(cone.distance2 > radius * radius);
+    if (cone.inside) return cone;
+    cone.sin2 = radius * radius / cone.distance2;
+    cone.cos = std::sqrt(std::max(0.0, 1 - cone.sin2));
+    cone.one_minus_cos = cone.sin2 / (1 + cone.cos);
+    return cone;
+}
+
+}  // namespace
+
+Light make_triangle_light(const Scene& scene, PrimitiveId id) {
+    const SceneInstance& instance = scene.geometry().instances[id.instance];
+    const Mesh& mesh = scene.geometry().meshes[instance.mesh];
+    const Material& material = scene.materials()[instance.material];
+    Vec3d corner[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3d p(mesh.positions[mesh.indices[std::size_t{3} * id.primitive + k]]);
+        corner[k] = instance.identity ? p : Vec3d(instance.world_from_object * Vec4d(p, 1.0));
+    }
+    Light light;
+    light.kind = LightKind::triangle;
+    light.id = id;
+    light.material = instance.material;
+    light.two_sided = material.double_sided;
+    light.p0 = Vec3f(corner[0]);
+    light.e1 = Vec3f(corner[1] - corner[0]);
+    light.e2 = Vec3f(corner[2] - corner[0]);
+    const Vec3d normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
+    const double twice_area = length(normal);
+    light.area = static_cast<float>(0.5 * twice_area);
+    if (twice_area > 0) light.n = Vec3f(normal / twice_area) * (instance.mirrored ? -1.0f : 1.0f);
+    light.radiance = material.emissive_factor * material.emissive_strength;
+    return light;
+}
+
+Light make_sphere_light(const Scene& scene, uint32_t sphere) {
+    const Sphere& source = scene.geometry().spheres[sphere];
+    const Material& material = scene.materials()[source.material];
+    Light light;
+    light.kind = LightKind::sphere;
+    light.id = {kSphereInstance, sphere};
+    light.material = source.material;
+    light.two_sided = material.double_sided;
+    light.p0 = Vec3f(source.center);
+    light.e1 = Vec3f(Vec3d(source.radius, 0, 0));
+    light.area = static_cast<float>(4 * std::numbers::pi * source.radius * source.radius);
+    light.radiance = material.emissive_factor * material.emissive_strength;
+    return light;
+}
+
+std::optional<LightSample> sample_triangle_light(const Scene& scene, const Light& light,
+                                                 const Vec3f& p, const Vec2f& u) {
+    const float height = dot(p - light.p0, light.n);
+    const bool front = height > 0;
+    if (height == 0 || !(light.area > 0) || (!front && !light.two_sided)) return std::nullopt;
+    float b1 = 0;
+    float b2 = 0;
+    float pdf = 0;
+    if (looks_large(light, p)) {
+        const TriangleView view = view_from(light, p);
+        const double omega = solid_angle(view);
+        if (!(omega > 0)) return std::nullopt;
+        const Vec3d d = sample_solid_angle(view, omega, u);
+        // Barycentric weights of the direction: ratios of the three sub-volumes.
+        const double v0 = dot(d, cross(view.b, view.c));
+        const double v1 = dot(d, cross(view.c, view.a));
+        const double v2 = dot(d, cross(view.a, view.b));
+        const double sum = v0 + v1 + v2;
+        if (sum == 0) return std::nullopt;
+        b1 = clamp01(static_cast<float>(v1 / sum));
+        b2 = std::min(clamp01(static_cast<float>(v2 / sum)), 1 - b1);
+        pdf = static_cast<float>(1 / omega);
+    } else {
+        // The square-root map (Turk 1990).
+        const float root = std::sqrt(u.x);
+        b1 = root * (1 - u.y);
+        b2 = root * u.y;
+    }
+    const Vec3f on = light.p0 + b1 * light.e1 + b2 * light.e2;
+    LightSample sample;
+    sample.wi = safe_normalize(on - p, -light.n);
+    if (pdf == 0) pdf = pdf_triangle_light(light, p, on);
+    if (!(pdf > 0)) return std::nullopt;
+    sample.pdf = pdf;
+    const Vec3f error =
+        gamma_bound(6) * (glm::abs(light.p0) + glm::abs(b1 * light.e1) + glm::abs(b2 * light.e2));
+    sample.target = offset_ray_origin(on, error, light.n, p - on);
+    sample.id = light.id;
+    const Material& material = scene.materials()[light.material];
+    sample.radiance = light.radiance;
+    if (material.emissive_texture.used()) {
+        const Mesh& mesh =
+            scene.geometry().meshes[scene.geometry().instances[light.id.instance].mesh];
+        sample.radiance =
+            emitted_radiance(scene, material, uv_at(mesh, light.id.primitive, 0, b1, b2),
+                             uv_at(mesh, light.id.primitive, 1, b1, b2), front);
+    }
+    return sample;
+}
+
+float pdf_triangle_light(const Light& light, const Vec3f& p, const Vec3f& hit_point) {
+    if (!(light.area > 0)) return 0;
+    if (looks_large(light, p)) {
+        const double omega = solid_angle(view_from(light, p));
+        return omega > 0 ? static_cast<float>(1 / omega) : 0.0f;
+    }
+    const Vec3d to = Vec3d(hit_point) - Vec3d(p);
+    const double distance2 = dot(to, to);
+    const double projected = std::abs(dot(to, Vec3d(light.n))) * light.area;
+    return projected > 0 ? static_cast<float>(distance2 * std::sqrt(distance2) / projected) : 0.0f;
+}
+
+std::optional<LightSample> sample_sphere_light(const Scene& scene, const Light& light,
+                                               const Vec3f& p, const Vec2f& u) {
+    const Sphere& sphere = scene.geometry().spheres[light.id.primitive];
+    const SphereCone cone = cone_of(sphere.center, sphere.radius, p);
+    if (cone.inside) return std::nullopt;
+    // Direction in the cone by 1 - cos, then the near point on the sphere without re-intersection
+    // (L01).
+    const double t = cone.one_minus_cos * static_cast<double>(u.x);
+    const double cos_theta = 1 - t;
+    const double sin2_theta = t * (2 - t);
+    const double phi = 2 * std::numbers::pi * static_cast<double>(u.y);
+    const double distance = std::sqrt(cone.distance2);
+    // Seen from the centre, the point lies at angle alpha from the axis towards p.
+    const double half_chord =
+        std::sqrt(std::max(0.0, sphere.radius * sphere.radius - cone.distance2 * sin2_theta));
+    const double along = distance * cos_theta - half_chord;
+    const double sin_alpha = std::min(1.0, along * std::sqrt(sin2_theta) / sphere.radius);
+    const double cos_alpha = (distance - along * cos_theta) / sphere.radius;
+    const Vec3d axis = (Vec3d(p) - sphere.center) / distance;
+    Frame frame = Frame::from_normal(Vec3f(axis));
+    const Vec3d normal = normalize(sin_alpha * std::cos(phi) * Vec3d(frame.t) +
+                                   sin_alpha * std::sin(phi) * Vec3d(frame.b) + cos_alpha * axis);
+    const Vec3d on = sphere.center + sphere.radius * normal;
+    LightSample sample;
+    sample.wi = Vec3f(normalize(on - Vec3d(p)));
+    sample.pdf = pdf_sphere_light(light, p);
+    const Vec3f error = gamma_bound(3) * glm::abs(Vec3f(on));
+    sample.target = offset_ray_origin(Vec3f(on), error, Vec3f(normal), Vec3f(normal));
+    sample.id = light.id;
+    const Material& material = scene.materials()[light.material];
+    sample.radiance = light.radiance;
+    if (material.emissive_texture.used()) {
+        const Vec2f uv = sphere_uv(Vec3f(normal));
+        sample.radiance = emitted_radiance(scene, material, uv, uv, true);
+    }
+    return sample;
+}
+
+float pdf_sphere_light(const Light& light, const Vec3f& p) {
+    // The light record keeps float copies; both routines use the same ones through this density.
+    const SphereCone cone = cone_of(Vec3d(light.p0), static_cast<double>(light.e1.x), p);
+    if (cone.inside || !(cone.one_minus_cos > 0)) return 0;
+    return static_cast<float>(1 / (2 * std::numbers::pi * cone.one_minus_cos));
+}
+
+std::optional<LightSample> sample_punctual_light(const PunctualLight& source, const Light& light,
+                                                 const Vec3f& p) {
+    LightSample sample;
+    sample.delta = true;
+    sample.pdf = 1;
+    if (light.kind == LightKind::directional) {
+        sample.wi = -light.e1;
+        sample.infinite = true;
+        sample.radiance = light.radiance;
+        return sample;
+    }
+    const Vec3d to = Vec3d(light.p0) - Vec3d(p);
+    const double distance2 = dot(to, to);
+    if (!(distance2 > 0)) return std::nullopt;
+    const double distance = std::sqrt(distance2);
+    sample.wi = Vec3f(to / distance);
+    sample.target = light.p0;
+    double attenuation = 1 / distance2;
+    if (is_finite(source.range)) {
+        const double s = distance / source.range;
+        attenuation *= std::clamp(1 - s * s * s * s, 0.0, 1.0);
+    }
+    if (light.kind == LightKind::spot) {
+        const double cos_outer = std::cos(static_cast<double>(source.outer_cone_angle));
+        const double cos_inner = std::cos(static_cast<double>(source.inner_cone_angle));
+        const double cosine = -dot(Vec3d(sample.wi), Vec3d(light.e1));
+        const double width = cos_inner - cos_outer;
+        const double s = width > 0 ? std::clamp((cosine - cos_outer) / width, 0.0, 1.0)
+                                   : (cosine > cos_outer ? 1.0 : 0.0);
+        attenuation *= s * s;
+    }
+    if (!(attenuation > 0)) return std::nullopt;
+    sample.radiance = light.radiance * static_cast<float>(attenuation);
+    return sample;
+}
+
+}  // namespace talbot

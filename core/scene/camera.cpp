@@ -1,0 +1,115 @@
+#include "core/scene/camera.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/math/robust.h"
+#include "core/math/warp.h"
+
+namespace talbot {
+namespace {
+
+double radians(double degrees) {
+    return degrees * (std::numbers::pi / 180);
+}
+
+}  // namespace
+
+void look_at(Camera& camera, const Vec3d& eye, const Vec3d& target, const Vec3d& up) {
+    camera.position = eye;
+    Vec3d backward = eye - target;
+    const double distance = length(backward);
+    backward = distance > 0 ? backward / distance : Vec3d(0, 0, 1);
+    Vec3d right = cross(up, backward);
+    if (!(dot(right, right) > kParallelSine * kParallelSine * dot(up, up))) {
+        // The view is along `up`: keep a right vector that is least aligned with it.
+        right = cross(std::abs(backward.x) < std::abs(backward.z) ? Vec3d(1, 0, 0) : Vec3d(0, 0, 1),
+                      backward);
+    }
+    camera.right = normalize(right);
+    camera.backward = backward;
+    camera.up = cross(backward, camera.right);
+}
+
+Camera make_orbit_camera(const Orbit& orbit) {
+    const double theta = radians(orbit.theta_degrees);
+    const double phi = radians(orbit.phi_degrees);
+    Camera camera;
+    camera.name = "orbit";
+    camera.yfov = radians(orbit.yfov_degrees);
+    camera.backward =
+        Vec3d(std::sin(phi) * std::sin(theta), std::cos(phi), std::sin(phi) * std::cos(theta));
+    camera.position = orbit.target + orbit.radius * camera.backward;
+    // The derivative of the position by theta, which is defined at the poles too.
+    const double side = std::sin(phi) < 0 ? -1.0 : 1.0;
+    camera.right = side * Vec3d(std::cos(theta), 0, -std::sin(theta));
+    camera.up = cross(camera.backward, camera.right);
+    return camera;
+}
+
+CameraRays::CameraRays(const Camera& camera, const Vec3d& scene_origin, uint32_t width,
+                       uint32_t height)
+    : kind_(camera.kind),
+      position_(camera.position - scene_origin),
+      axes_(Vec3f(camera.right), Vec3f(camera.up), Vec3f(camera.backward)),
+      width_(static_cast<float>(width)),
+      height_(static_cast<float>(height)) {
+    const double image_aspect = static_cast<double>(width) / height;
+    if (kind_ == CameraKind::perspective) {
+        scale_y_ = std::tan(camera.yfov / 2);
+        // A window narrower than the file's shows the file's whole width, so nothing of the view is
+        // cropped.
+        if (camera.aspect_ratio && image_aspect < *camera.aspect_ratio)
+            scale_y_ *= *camera.aspect_ratio / image_aspect;
+        scale_x_ = scale_y_ * image_aspect;
+    } else {
+        scale_x_ = camera.xmag;
+        scale_y_ = camera.ymag;
+        if (scale_x_ > scale_y_ * image_aspect) {
+            scale_y_ = scale_x_ / image_aspect;
+        } else {
+            scale_x_ = scale_y_ * image_aspect;
+        }
+    }
+    // A shift of 1 is one window height, two half-extents in y.
+    shift_ = 2.0 * camera.lens_shift * Vec2d(scale_y_, scale_y_);
+    const bool lens = camera.aperture_radius > 0 && camera.focus_distance > 0;
+    aperture_radius_ = lens ? static_cast<float>(camera.aperture_radius) : 0.0f;
+    focus_distance_ = static_cast<float>(camera.focus_distance);
+}
+
+Ray CameraRays::ray(float px, float py, const Vec2f& lens) const {
+    const double x = (2.0 * px / width_ - 1) * scale_x_ + shift_.x;
+    const double y = (1 - 2.0 * py / height_) * scale_y_ + shift_.y;
+    Ray ray;
+    if (kind_ == CameraKind::orthographic) {
+        ray.o = position_ + axes_ * Vec3f(static_cast<float>(x), static_cast<float>(y), 0.0f);
+        ray.d = -axes_[2];
+        return ray;
+    }
+    Vec3d direction(x, y, -1);
+    Vec3f origin(0);
+    if (aperture_radius_ > 0) {
+        const Vec2f disk = aperture_radius_ * sample_concentric_disk(lens);
+        origin = Vec3f(disk.x, disk.y, 0.0f);
+        direction = direction * static_cast<double>(focus_distance_) - Vec3d(origin);
+    }
+    ray.o = position_ + axes_ * origin;
+    ray.d = axes_ * Vec3f(normalize(direction));
+    return ray;
+}
+
+std::optional<Vec2f> CameraRays::project(const Vec3f& point) const {
+    const Vec3d local = Vec3d(glm::transpose(axes_) * (point - position_));
+    double x = local.x;
+    double y = local.y;
+    if (kind_ == CameraKind::perspective) {
+        if (!(local.z < 0)) return std::nullopt;
+        x /= -local.z;
+        y /= -local.z;
+    }
+    return Vec2f(Vec2d((x - shift_.x) / scale_x_ + 1, 1 - (y - shift_.y) / scale_y_) * 0.5 *
+                 Vec2d(width_, height_));
+}
+
+}  // namespace talbot

@@ -1,0 +1,499 @@
+#include "core/session/session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <future>
+#include <variant>
+
+#include "core/integrate/kernel.h"
+#include "core/integrate/object_ids.h"
+#include "core/session/scheduler.h"
+
+namespace talbot {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+bool is_power_of_two(uint64_t n) {
+    return n != 0 && (n & (n - 1)) == 0;
+}
+
+}  // namespace
+
+// Everything below `// session thread` is touched by that thread alone; the rest is guarded by
+// mutex_.
+class RenderSession::Impl {
+  public:
+    Impl(const SessionPolicy& policy, std::shared_ptr<WorkerPool> pool)
+        : policy_(policy), pool_(std::move(pool)), thread_([this] { run(); }) {}
+
+    ~Impl() { stop(); }
+
+    uint64_t submit(Change change) {
+        const std::lock_guard lock(mutex_);
+        const bool harmless = std::holds_alternative<SetPassLimit>(change);
+        changes_.push_back(std::move(change));
+        if (work_is_interruptible_ && !harmless) work_stop_.request_stop();
+        wake_.notify_all();
+        return ++submitted_;
+    }
+
+    std::shared_ptr<const Snapshot> latest() const {
+        const std::lock_guard lock(mutex_);
+        return latest_;
+    }
+
+    bool wait_for(uint64_t generation, uint64_t passes, double seconds) const {
+        std::unique_lock lock(mutex_);
+        const auto reached = [&] {
+            if (!latest_ || latest_->generation < generation) return stopped_;
+            return latest_->finished || stopped_ ||
+                   (!latest_->preview && latest_->passes >= passes);
+        };
+        if (seconds < 0) {
+            published_.wait(lock, reached);
+        } else {
+            published_.wait_for(lock, std::chrono::duration<double>(seconds), reached);
+        }
+        return latest_ && latest_->generation >= generation &&
+               (latest_->finished || (!latest_->preview && latest_->passes >= passes));
+    }
+
+    void stop() {
+        {
+            const std::lock_guard lock(mutex_);
+            quit_ = true;
+            work_stop_.request_stop();
+        }
+        wake_.notify_all();
+        if (thread_.joinable()) thread_.join();
+    }
+
+    void on_snapshot(std::function<void()> callback) {
+        const std::lock_guard lock(mutex_);
+        callback_ = std::move(callback);
+    }
+
+    void with_film(const std::function<void(const Film&)>& f) {
+        if (std::unique_lock lock(mutex_); !stopped_) {
+            std::promise<void> done;
+            film_requests_.push_back({&f, &done});
+            wake_.notify_all();
+            lock.unlock();
+            done.get_future().wait();
+            return;
+        }
+        f(film_);
+    }
+
+    unsigned threads() const { return pool_->size(); }
+
+  private:
+    struct FilmRequest {
+        const std::function<void(const Film&)>* f;
+        std::promise<void>* done;
+    };
+
+    // session thread
+    void run() {
+        for (;;) {
+            Work work;
+            {
+                std::unique_lock lock(mutex_);
+                work = next_work(schedule_state());
+                if (work.kind == WorkKind::idle && changes_.empty() && film_requests_.empty() &&
+                    !quit_) {
+                    wake_.wait(lock, [this] {
+                        return quit_ || !changes_.empty() || !film_requests_.empty();
+                    });
+                }
+                if (quit_) break;
+                if (take_requests(lock)) continue;
+                work_stop_ = std::stop_source();
+                work_is_interruptible_ = work.interruptible;
+            }
+            carry_out(work);
+            const std::lock_guard lock(mutex_);
+            work_is_interruptible_ = false;
+        }
+        finish();
+    }
+
+    // Applies queued changes and serves film requests; true when there were any.
+    bool take_requests(std::unique_lock<std::mutex>& lock) {
+        if (changes_.empty() && film_requests_.empty()) return false;
+        std::deque<Change> changes;
+        std::vector<FilmRequest> requests;
+        changes.swap(changes_);
+        requests.swap(film_requests_);
+        const uint64_t generation = submitted_;
+        lock.unlock();
+        for (Change& change : changes) std::visit([this](auto& c) { apply(c); }, change);
+        if (!changes.empty()) {
+            generation_ = generation;
+            after_changes();
+        }
+        for (const FilmRequest& request : requests) {
+            (*request.f)(film_);
+            request.done->set_value();
+        }
+        lock.lock();
+        return true;
+    }
+
+    ScheduleState schedule_state() const {
+        ScheduleState state;
+        state.has_scene = scene_ != nullptr;
+        state.interactive = policy_.interactive;
+        state.paused = paused_;
+        state.passes = passes_;
+        state.pass_limit = pass_limit_;
+        state.stop_reached = stop_reached_;
+        state.previews_done = previews_done_;
+        state.last_preview_divisor = last_divisor_;
+        state.samples_per_second = measured_rate_;
+        state.preview_seconds = policy_.preview_seconds;
+        state.pixels = uint64_t{settings_.width} * settings_.height;
+        return state;
+    }
+
+    void apply(SetScene& change) {
+        const RenderScene* previous = scene_.get();
+        scene_ = std::make_shared<const RenderScene>(std::move(change.scene), previous);
+        camera_ = change.camera;
+        measured_rate_ = 0;
+        selection_.reset();
+        restart_ = true;
+    }
+    void apply(SetCamera& change) {
+        camera_ = std::move(change.camera);
+        restart_ = true;
+    }
+    void apply(SetMaterial& change) {
+        if (!scene_ || change.index >= scene_->scene().materials().size()) return;
+        replace_scene(scene_->scene().with_material(change.index, std::move(change.material)));
+    }
+    void apply(SetPunctualLight& change) {
+        if (!scene_ || change.index >= scene_->scene().punctual_lights().size()) return;
+        replace_scene(scene_->scene().with_punctual_light(change.index, std::move(change.light)));
+    }
+    void apply(SetEnvironment& change) {
+        if (!scene_) return;
+        replace_scene(scene_->scene().with_environment(std::move(change.environment)));
+    }
+    void apply(SetSettings& change) {
+        if (settings_ == change.settings) return;
+        settings_ = change.settings;
+        settings_.width = std::max(1u, settings_.width);
+        settings_.height = std::max(1u, settings_.height);
+        settings_.tile_size = std::max(1u, settings_.tile_size);
+        restart_ = true;
+    }
+    void apply(SetPaused& change) { paused_ = change.paused; }
+    void apply(SetPassLimit& change) { pass_limit_ = change.passes; }
+    void apply(SetSelection& change) {
+        selection_ = change.object;
+        object_ids_.reset();
+    }
+    void apply(Restart&) { restart_ = true; }
+
+    void replace_scene(std::shared_ptr<const Scene> scene) {
+        scene_ = std::make_shared<const RenderScene>(std::move(scene), scene_.get());
+        restart_ = true;
+    }
+
+    void after_changes() {
+        if (restart_ && scene_) {
+            restart_ = false;
+            if (film_.width() == settings_.width && film_.height() == settings_.height) {
+                film_.clear();
+            } else {
+                film_ = Film(settings_.width, settings_.height);
+            }
+            effects_ = analyse_effects(scene_->scene(), camera_);
+            tier_ = smallest_tier(effects_.active | settings_.forced_on);
+            passes_ = 0;
+            samples_ = 0;
+            rays_ = 0;
+            render_seconds_ = 0;
+            nonfinite_ = {};
+            stop_reached_ = false;
+            previews_done_ = 0;
+            last_divisor_ = 0;
+            object_ids_.reset();
+            tracker_.reset(0);
+            shown_image_.reset();
+        } else if (scene_ && shown_image_) {
+            if (selection_ && !object_ids_) update_object_ids();
+            publish(shown_image_, shown_is_preview_);
+        }
+    }
+
+    void carry_out(const Work& work) {
+        switch (work.kind) {
+            case WorkKind::idle:
+                break;
+            case WorkKind::preview:
+                render_preview(work.preview_divisor);
+                break;
+            case WorkKind::pass:
+                render_pass();
+                break;
+        }
+    }
+
+    // One pass over a film; returns whether every tile was finished.
+    bool render(Film& film, uint64_t target, uint64_t& samples, uint64_t& rays,
+                NonFiniteCount& nonfinite) {
+        const CameraRays camera(camera_, scene_->scene().origin(), film.width(), film.height());
+        const PathSettings settings = path_settings(settings_);
+        const TileKernel kernel = tile_kernel(tier_);
+        const uint32_t size = settings_.tile_size;
+        const uint32_t columns = (film.width() + size - 1) / size;
+        const uint32_t rows = (film.height() + size - 1) / size;
+        struct alignas(64) PaddedCounts {
+            TileCounts counts;
+        };
+        std::vector<PaddedCounts> counts(pool_->size());
+        const std::stop_token stop = work_stop_.get_token();
+        const bool limited = policy_.time_limit_seconds > 0 && passes_ > 0;
+        const Clock::time_point start = Clock::now();
+        pool_->parallel_for(
+            uint64_t{columns} * rows,
+            [&](uint64_t tile, unsigned worker) {
+                if (limited &&
+                    render_seconds_ + seconds_since(start) > policy_.time_limit_seconds) {
+                    work_stop_.request_stop();
+                    return;
+                }
+                TileJob job{scene_.get(), &camera, &settings, &film, settings_.first_sample,
+                            target,       0,       0,         0,     0};
+                job.x0 = static_cast<uint32_t>(tile % columns) * size;
+                job.y0 = static_cast<uint32_t>(tile / columns) * size;
+                job.x1 = std::min(job.x0 + size, film.width());
+                job.y1 = std::min(job.y0 + size, film.height());
+                kernel(job, stop, counts[worker].counts);
+            },
+            stop);
+        for (const PaddedCounts& c : counts) {
+            samples += c.counts.samples;
+            rays += c.counts.rays;
+            nonfinite.merge(c.counts.nonfinite);
+        }
+        return !stop.stop_requested();
+    }
+
+    void render_preview(uint32_t divisor) {
+        const uint32_t width = std::max(1u, settings_.width / divisor);
+        const uint32_t height = std::max(1u, settings_.height / divisor);
+        Film film(width, height);
+        uint64_t samples = 0;
+        uint64_t rays = 0;
+        NonFiniteCount ignored;
+        const Clock::time_point start = Clock::now();
+        const bool complete = render(film, 1, samples, rays, ignored);
+        measure_rate(samples, seconds_since(start));
+        if (!complete) return;
+        ++previews_done_;
+        last_divisor_ = divisor;
+        publish(std::make_shared<const ImageRgba>(film.image(settings_.transparent_background)),
+                true);
+    }
+
+    void render_pass() {
+        if (selection_ && !object_ids_) update_object_ids();
+        const Clock::time_point start = Clock::now();
+        uint64_t samples = 0;
+        const bool complete = render(film_, passes_ + 1, samples, rays_, nonfinite_);
+        const double seconds = seconds_since(start);
+        samples_ += samples;
+        render_seconds_ += seconds;
+        measure_rate(samples, seconds);
+        if (complete) {
+            ++passes_;
+            tracker_.observe(film_, passes_, render_seconds_);
+        }
+        const bool out_of_time =
+            policy_.time_limit_seconds > 0 && render_seconds_ >= policy_.time_limit_seconds;
+        if (out_of_time && passes_ > 0) stop_reached_ = true;
+        if (complete && policy_.target_error_percent > 0 && is_power_of_two(passes_)) {
+            const ErrorEstimate& error = tracker_.estimate();
+            if (error.valid && error.hi95 <= policy_.target_error_percent) stop_reached_ = true;
+        }
+        if (complete || stop_reached_) publish_pass();
+    }
+
+    // Snapshots cost a copy of the image, so a batch run makes them at powers of two and twice a
+    // second only.
+    void publish_pass() {
+        const bool last = stop_reached_ || (pass_limit_ != 0 && passes_ >= pass_limit_);
+        if (!policy_.interactive && !last && !is_power_of_two(passes_) &&
+            seconds_since(last_publish_) < 0.5)
+            return;
+        publish(std::make_shared<const ImageRgba>(film_.image(settings_.transparent_background)),
+                false);
+    }
+
+    void measure_rate(uint64_t samples, double seconds) {
+        constexpr double kBlend = 0.5;
+        constexpr uint64_t kEnough = 256;
+        if (samples < kEnough || !(seconds > 0)) return;
+        const double rate = static_cast<double>(samples) / seconds;
+        measured_rate_ = measured_rate_ > 0 ? (1 - kBlend) * measured_rate_ + kBlend * rate : rate;
+    }
+
+    void update_object_ids() {
+        const CameraRays camera(camera_, scene_->scene().origin(), settings_.width,
+                                settings_.height);
+        object_ids_ = render_object_ids(*scene_, camera, settings_.width, settings_.height, *pool_);
+    }
+
+    void publish(std::shared_ptr<const ImageRgba> image, bool preview) {
+        auto snapshot = std::make_shared<Snapshot>();
+        snapshot->generation = generation_;
+        snapshot->preview = preview;
+        snapshot->finished =
+            !preview && (stop_reached_ || (pass_limit_ != 0 && passes_ >= pass_limit_));
+        snapshot->paused = paused_;
+        snapshot->passes = passes_;
+        snapshot->render_seconds = render_seconds_;
+        snapshot->samples = samples_;
+        snapshot->rays = rays_;
+        snapshot->samples_per_second =
+            render_seconds_ > 0 ? static_cast<double>(samples_) / render_seconds_ : measured_rate_;
+        snapshot->full_width = settings_.width;
+        snapshot->full_height = settings_.height;
+        snapshot->image = std::move(image);
+        if (selection_) snapshot->object_ids = object_ids_;
+        snapshot->nonfinite = nonfinite_;
+        snapshot->error = tracker_.at(passes_, render_seconds_);
+        snapshot->scene = scene_->shared_scene();
+        snapshot->camera = camera_;
+        snapshot->settings = settings_;
+        snapshot->effects = effects_;
+        snapshot->kernel = kTiers[tier_].name;
+        shown_image_ = snapshot->image;
+        shown_is_preview_ = preview;
+        last_publish_ = Clock::now();
+        std::function<void()> callback;
+        {
+            const std::lock_guard lock(mutex_);
+            latest_ = std::move(snapshot);
+            callback = callback_;
+        }
+        published_.notify_all();
+        if (callback) callback();
+    }
+
+    // The last snapshot of a stopped session holds whatever was sampled.
+    void finish() {
+        if (scene_ && samples_ > 0) {
+            passes_ = film_.min_samples();
+            publish(
+                std::make_shared<const ImageRgba>(film_.image(settings_.transparent_background)),
+                false);
+        }
+        std::vector<FilmRequest> requests;
+        {
+            const std::lock_guard lock(mutex_);
+            stopped_ = true;
+            requests.swap(film_requests_);
+        }
+        for (const FilmRequest& request : requests) {
+            (*request.f)(film_);
+            request.done->set_value();
+        }
+        published_.notify_all();
+    }
+
+    const SessionPolicy policy_;
+    std::shared_ptr<WorkerPool> pool_;
+
+    mutable std::mutex mutex_;
+    std::condition_variable wake_;
+    mutable std::condition_variable published_;
+    std::deque<Change> changes_;
+    std::vector<FilmRequest> film_requests_;
+    std::shared_ptr<const Snapshot> latest_;
+    std::function<void()> callback_;
+    std::stop_source work_stop_;
+    bool work_is_interruptible_ = false;
+    uint64_t submitted_ = 0;
+    bool quit_ = false;
+    bool stopped_ = false;
+
+    // session thread
+    std::shared_ptr<const RenderScene> scene_;
+    Camera camera_;
+    RenderSettings settings_;
+    EffectReport effects_;
+    std::size_t tier_ = 0;
+    Film film_;
+    ErrorTracker tracker_;
+    NonFiniteCount nonfinite_;
+    uint64_t generation_ = 0;
+    uint64_t passes_ = 0;
+    uint64_t samples_ = 0;
+    uint64_t rays_ = 0;
+    uint64_t pass_limit_ = 0;
+    double render_seconds_ = 0;
+    double measured_rate_ = 0;
+    bool paused_ = false;
+    bool stop_reached_ = false;
+    bool restart_ = false;
+    uint32_t previews_done_ = 0;
+    uint32_t last_divisor_ = 0;
+    std::optional<uint32_t> selection_;
+    std::shared_ptr<const std::vector<uint32_t>> object_ids_;
+    std::shared_ptr<const ImageRgba> shown_image_;
+    bool shown_is_preview_ = false;
+    Clock::time_point last_publish_{};
+
+    std::thread thread_;
+};
+
+RenderSession::RenderSession(const SessionPolicy& policy)
+    : RenderSession(policy, std::make_shared<WorkerPool>(policy.threads)) {}
+
+RenderSession::RenderSession(const SessionPolicy& policy, std::shared_ptr<WorkerPool> pool)
+    : impl_(std::make_unique<Impl>(policy, std::move(pool))) {}
+
+RenderSession::~RenderSession() = default;
+
+uint64_t RenderSession::submit(Change change) {
+    return impl_->submit(std::move(change));
+}
+std::shared_ptr<const Snapshot> RenderSession::latest() const {
+    return impl_->latest();
+}
+bool RenderSession::wait_for(uint64_t generation, uint64_t passes, double seconds) const {
+    return impl_->wait_for(generation, passes, seconds);
+}
+void RenderSession::stop() {
+    impl_->stop();
+}
+void RenderSession::on_snapshot(std::function<void()> callback) {
+    impl_->on_snapshot(std::move(callback));
+}
+void RenderSession::with_film(const std::function<void(const Film&)>& f) {
+    impl_->with_film(f);
+}
+unsigned RenderSession::threads() const {
+    return impl_->threads();
+}
+
+std::optional<Pick> pick(const Scene& scene, const Camera& camera, uint32_t width, uint32_t height,
+                         float px, float py) {
+    const std::optional<PickedPoint> found =
+        pick_point(scene, CameraRays(camera, scene.origin(), width, height), px, py);
+    if (!found) return std::nullopt;
+    return Pick{scene.object_of(found->id), scene.material_of(found->id),
+                Vec3d(found->p) + scene.origin()};
+}
+
+}  // namespace talbot
