@@ -1,0 +1,138 @@
+// glTF's opaque surface: GGX reflection over a diffuse base, mixed with metal. Local frame, z along
+// the shading normal.
+//
+// Specular: Schlick's Fresnel, single scattering plus the multiple scattering of Turquin 2019
+// ("Practical multiple scattering compensation"): dielectric and metal each scaled by 1 + F0 (1 -
+// e) / e, then mixed, so that white surfaces return exactly what they receive. The scale looks at
+// wo alone: f is not reciprocal where alpha is large. Diffuse: Lambert times (1 - S(mu_o)) (1 -
+// S(mu_i)) / (1 - mean S), S the dielectric's directional albedo in its largest channel (Kulla and
+// Conty 2017), reciprocal and exact in energy.
+#pragma once
+
+#include <algorithm>
+
+#include "core/scattering/albedo_tables.h"
+#include "core/scattering/fresnel.h"
+#include "core/scattering/ggx.h"
+
+namespace talbot {
+
+struct LobeValue {
+    Rgb f_cos{0};
+    float pdf = 0;
+};
+
+inline float mean_component(const Rgb& c) {
+    return (c.x + c.y + c.z) * (1.0f / 3);
+}
+
+struct OpaqueParams {
+    Rgb base_color{1};
+    float metallic = 0;
+    float alpha = 1;
+    float specular = 1;
+    Rgb specular_color{1};
+    float ior = 1.5f;
+};
+
+class OpaqueLayer {
+  public:
+    OpaqueLayer() = default;
+
+    // weight scales every value. wo has z >= 0.
+    OpaqueLayer(const OpaqueParams& m, float weight, const Vec3f& wo) : wo_(wo) {
+        const Rgb dielectric =
+            glm::min(normal_reflectance(m.ior) * m.specular_color, Rgb(1)) * m.specular;
+        const float not_metal = 1 - m.metallic;
+        f0_ = max_component(dielectric);
+        f90_ = m.specular;
+        delta_ = m.alpha < kDeltaAlpha;
+
+        Rgb specular_albedo;
+        float mean_s;
+        if (delta_) {
+            const Rgb normal = not_metal * dielectric + m.metallic * m.base_color;
+            const Rgb grazing(not_metal * m.specular + m.metallic);
+            normal_ = weight * (normal + schlick_weight(wo.z) * (grazing - normal));
+            specular_albedo = normal_;
+            mean_s = f0_ + (f90_ - f0_) * (1.0f / 21);  // 2 int (1 - mu)^5 mu dmu = 1 / 21
+        } else {
+            ggx_ = Ggx(m.alpha);
+            slant_o_ = ggx_.slant(wo);
+            row_ = AlbedoRow(m.alpha);
+            const SchlickAlbedo albedo = row_(wo.z);
+            const float lost = albedo.lost();
+            const Rgb dielectric_scale = (weight * not_metal) * (Rgb(1) + lost * dielectric);
+            const Rgb metal_scale = (weight * m.metallic) * (Rgb(1) + lost * m.base_color);
+            normal_ = dielectric_scale * dielectric + metal_scale * m.base_color;
+            grazing_ = dielectric_scale * m.specular + metal_scale;
+            specular_albedo = albedo.a * normal_ + albedo.b * grazing_;
+            mean_s = row_.mean_compensated(f0_, f90_);
+        }
+
+        float specular_share = mean_component(specular_albedo);
+        float diffuse_share = 0;
+        if (not_metal > 0) {
+            const float escaping = std::max(1 - dielectric_albedo(wo.z), 0.0f);
+            const Rgb diffuse_albedo = (weight * not_metal * escaping) * m.base_color;
+            diffuse_ = mean_s < 1 ? diffuse_albedo * (kInvPi / (1 - mean_s)) : Rgb(0);
+            diffuse_share = mean_component(diffuse_albedo);
+        }
+        albedo_ = specular_share + diffuse_share;
+        p_specular_ = albedo_ > 0 ? specular_share / albedo_ : 0.0f;
+        if (!(diffuse_share > 0)) p_specular_ = 1;
+    }
+
+    // Estimated albedo, mean of the channels, with the weight.
+    float albedo() const { return albedo_; }
+    float specular_probability() const { return p_specular_; }
+    bool is_mirror() const { return delta_; }
+    bool has_smooth_lobe() const { return !delta_ || p_specular_ < 1; }
+
+    // Reflectance of the mirror; is_mirror() only.
+    const Rgb& mirror_reflectance() const { return normal_; }
+
+    // The specular lobe for wi with z > 0; density of the lobe alone. 0 for a mirror.
+    LobeValue eval_specular(const Vec3f& wi) const {
+        if (delta_) return {};
+        const GgxReflection r = ggx_.eval_reflection(wo_, slant_o_, wi);
+        const Rgb fresnel = normal_ + schlick_weight(r.cos_d) * (grazing_ - normal_);
+        return {r.value_cos * fresnel, r.pdf};
+    }
+
+    // The diffuse lobe for a cosine > 0 to the normal; density of the lobe alone.
+    LobeValue eval_diffuse(float cos_i) const {
+        if (p_specular_ == 1) return {};
+        const float escaping = std::max(1 - dielectric_albedo(cos_i), 0.0f);
+        return {(escaping * cos_i) * diffuse_, cos_i * kInvPi};
+    }
+
+    // wi of the specular lobe, not a mirror; may have z <= 0, which carries nothing.
+    Vec3f sample_specular(const Vec2f& u) const {
+        const Vec3f h = ggx_.sample_visible_normal(wo_, slant_o_, u);
+        return reflect_about(wo_, h, dot(wo_, h));
+    }
+
+  private:
+    // S: the dielectric specular lobe's directional albedo in its largest channel.
+    float dielectric_albedo(float mu) const {
+        if (delta_) return f0_ + (f90_ - f0_) * schlick_weight(mu);
+        const SchlickAlbedo albedo = row_(mu);
+        return (f0_ * albedo.a + f90_ * albedo.b) * (1 + f0_ * albedo.lost());
+    }
+
+    Vec3f wo_{0, 0, 1};
+    Ggx ggx_;
+    AlbedoRow row_;
+    Rgb normal_{0};  // compensated Fresnel at normal incidence; for a mirror the reflectance itself
+    Rgb grazing_{0};  // the same at grazing incidence
+    Rgb diffuse_{0};
+    float slant_o_ = 1;
+    float f0_ = 0;
+    float f90_ = 1;
+    float albedo_ = 0;
+    float p_specular_ = 0;
+    bool delta_ = false;
+};
+
+}  // namespace talbot
