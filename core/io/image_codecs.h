@@ -35,6 +35,9 @@ Result<ImageRgba> decode_hdr(std::span<const uint8_t> bytes, const std::string& 
 Result<ImageRgba> decode_pfm(std::span<const uint8_t> bytes, const std::string& name);
 Result<ImageRgba> decode_exr(std::span<const uint8_t> bytes, const std::string& name);
 
+// Limit of 8-bit images.
+inline constexpr uint64_t kMaxImageTexels = 1ull << 28;
+
 // Float images larger than this are refused before anything is allocated.
 inline constexpr uint64_t kMaxFloatTexels = 1ull << 28;
 

@@ -41,6 +41,14 @@ inline constexpr float kNormalMapStep = 1.01f / 255;
 // A triangle light is sampled by solid angle when area / distance^2 exceeds this; below, its cosine
 // and distance hardly vary.
 inline constexpr float kSolidAngleSampling = 0.01f;
+// |determinant| of a matrix beside the product of its columns' lengths, below which it is singular up to rounding in double.
+inline constexpr double kSingularRatio = 1e-14;
+
+// Relative deviation of M^T M from a multiple of the identity that the rounding of a file's floats may cause.
+inline constexpr double kUniformScaleTolerance = 1e-5;
+
+// Largest world coordinate in metres: the squares of distances fit a float with room to spare.
+inline constexpr double kMaxCoordinate = 1e15;
 
 // Finite test on the bits, so that it holds under any compiler flag.
 inline bool is_finite(float x) {

@@ -1,0 +1,52 @@
+// A glTF file taken apart: the JSON as tinygltf's model, the buffers as bytes, the images as the
+// place where their bytes are. tinygltf gets neither buffers nor images: files, data URIs and sizes
+// are handled here, with the folder guarded.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/io/gltf/model.h"
+
+namespace talbot::gltf {
+
+// `bytes` points into `owned`, or into Document::bytes for the buffer of a .glb. Exactly byteLength
+// bytes.
+struct BufferBytes {
+    std::vector<uint8_t> owned;
+    std::span<const uint8_t> bytes;
+};
+
+// Either a URI (a data URI is decoded late, by whoever needs the image) or a buffer view.
+struct ImageSource {
+    std::string name;
+    std::string uri;
+    std::optional<uint32_t> buffer_view;
+};
+
+struct Document {
+    std::filesystem::path file;
+    std::vector<uint8_t> bytes;  // the main file
+    tinygltf::Model model;       // indices are within their arrays; buffers and images are empty
+    std::vector<BufferBytes> buffers;
+    std::vector<ImageSource> images;
+
+    Error error(const std::string& element, const std::string& what) const {
+        return {ErrorKind::bad_input, file.string(), element, what};
+    }
+};
+
+// "accessors[3]"
+std::string element_name(const char* array, size_t index);
+
+// Reads and checks the file and its buffers; images stay unread.
+Result<Document> read_document(const std::filesystem::path& file, uint64_t max_bytes);
+
+// The bytes of a buffer view, within its buffer.
+Result<std::span<const uint8_t>> view_bytes(const Document& document, size_t buffer_view);
+
+}  // namespace talbot::gltf

@@ -1,0 +1,83 @@
+// The table of glTF extensions (Khronos registry, extensions/README).
+#include "core/io/gltf/extensions.h"
+
+#include <algorithm>
+#include <array>
+
+namespace talbot::gltf {
+
+namespace {
+
+using enum ExtensionSupport;
+
+constexpr auto kTable = std::to_array<ExtensionInfo>({
+    {"EXT_mesh_gpu_instancing", supported, ""},
+    {"KHR_implicit_shapes", supported, ""},
+    {"KHR_lights_punctual", supported, ""},
+    {"KHR_materials_emissive_strength", supported, ""},
+    {"KHR_materials_ior", supported, ""},
+    {"KHR_materials_specular", supported, ""},
+    {"KHR_materials_transmission", supported, ""},
+    {"KHR_materials_unlit", supported, ""},
+    {"KHR_materials_volume", supported, ""},
+    {"KHR_mesh_quantization", supported, ""},
+    {"KHR_texture_transform", supported, ""},
+    {"TALBOT_implicit_surface", supported, ""},
+    {"KHR_xmp", ignorable, ""},
+    {"KHR_xmp_json_ld", ignorable, ""},
+    {"EXT_meshopt_compression", unsupported, "compressed buffers are not read"},
+    {"EXT_texture_webp", unsupported, "WebP textures are left out"},
+    {"KHR_animation_pointer", unsupported, "animated properties keep their values"},
+    {"KHR_draco_mesh_compression", unsupported, "compressed meshes are not read"},
+    {"KHR_materials_anisotropy", unsupported, "highlights are isotropic"},
+    {"KHR_materials_clearcoat", unsupported, "clear coats are left out"},
+    {"KHR_materials_diffuse_transmission", unsupported, "diffuse transmission is left out"},
+    {"KHR_materials_dispersion", unsupported, "glass does not disperse"},
+    {"KHR_materials_iridescence", unsupported, "thin films are left out"},
+    {"KHR_materials_pbrSpecularGlossiness", unsupported,
+     "the metallic-roughness values of the file are used"},
+    {"KHR_materials_sheen", unsupported, "sheen is left out"},
+    {"KHR_materials_variants", unsupported, "the file's own materials are used"},
+    {"KHR_node_visibility", unsupported, "hidden nodes are shown"},
+    {"KHR_texture_basisu", unsupported, "KTX2 textures are left out"},
+});
+
+}  // namespace
+
+std::span<const ExtensionInfo> extension_table() {
+    return kTable;
+}
+
+const ExtensionInfo* find_extension(std::string_view name) {
+    const auto found = std::find_if(kTable.begin(), kTable.end(),
+                                    [&](const ExtensionInfo& info) { return info.name == name; });
+    return found == kTable.end() ? nullptr : &*found;
+}
+
+Status check_extensions(const std::vector<std::string>& used,
+                        const std::vector<std::string>& required, SceneDesc& desc) {
+    const auto contains = [](const std::vector<std::string>& names, const std::string& name) {
+        return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    for (const std::string& name : required) {
+        const ExtensionInfo* info = find_extension(name);
+        if (info && info->support != unsupported) continue;
+        return Error{ErrorKind::bad_input, desc.file, "extensionsRequired",
+                     "the scene requires the extension " + name + ", which is not supported"};
+    }
+    std::vector<std::string> names = used;
+    for (const std::string& name : required) {
+        if (!contains(names, name)) names.push_back(name);
+    }
+    for (const std::string& name : names) {
+        const ExtensionInfo* info = find_extension(name);
+        const bool known = info && info->support != unsupported;
+        desc.extensions.push_back({name, contains(required, name), known});
+        if (known) continue;
+        const std::string loss = info ? ": " + std::string(info->loss) : "";
+        desc.warnings.push_back("extension " + name + " is not supported" + loss);
+    }
+    return Done{};
+}
+
+}  // namespace talbot::gltf

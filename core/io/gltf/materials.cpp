@@ -1,0 +1,248 @@
+// glTF materials to Material: core metallic-roughness and the ratified extensions that the renderer
+// knows.
+#include "core/io/gltf/materials.h"
+
+#include <algorithm>
+
+#include "core/io/gltf/values.h"
+#include "core/math/robust.h"
+
+namespace talbot::gltf {
+
+namespace {
+
+constexpr uint32_t kMaxUvSet = 64;
+
+// One texture reference of the file, wherever it stands.
+struct TextureReference {
+    int index = -1;
+    int uv_set = 0;
+    const tinygltf::ExtensionMap* extensions = nullptr;  // of a typed reference
+    const tinygltf::Value* value = nullptr;              // of one within an extension
+};
+
+class MaterialConverter {
+  public:
+    MaterialConverter(Loading& loading, MaterialTables& tables)
+        : loading_(loading),
+          tables_(tables),
+          texture_map_(loading.document.model.textures.size(), kNoTexture) {}
+
+    Material convert(const tinygltf::Material& in, size_t index, bool used) {
+        element_ = element_name("materials", index);
+        used_ = used;
+        uv_sets_.clear();
+        Material out;
+        out.name = in.name.empty() ? "material " + std::to_string(index) : in.name;
+        convert_core(in, out);
+        convert_extensions(in, out);
+        tables_.uv_sets.push_back(chosen_sets());
+        return out;
+    }
+
+  private:
+    void warn(const std::string& what) { loading_.warn(element_, what); }
+
+    void convert_core(const tinygltf::Material& in, Material& out) {
+        const tinygltf::PbrMetallicRoughness& pbr = in.pbrMetallicRoughness;
+        for (size_t i = 0; i < 4; ++i)
+            out.base_color_factor[static_cast<int>(i)] = limited(pbr.baseColorFactor[i], 0, 1);
+        out.base_color_texture = slot(pbr.baseColorTexture);
+        out.metallic_factor = limited(pbr.metallicFactor, 0, 1);
+        out.roughness_factor = limited(pbr.roughnessFactor, 0, 1);
+        out.metallic_roughness_texture = slot(pbr.metallicRoughnessTexture);
+        out.normal_texture = slot(in.normalTexture);
+        out.normal_scale = limited(in.normalTexture.scale, -kLargestFactor, kLargestFactor);
+        out.emissive_factor = color_of(in.emissiveFactor.data(), kLargestFactor);
+        out.emissive_texture = slot(in.emissiveTexture);
+        out.alpha_cutoff = limited(in.alphaCutoff, 0, kLargestFactor);
+        out.double_sided = in.doubleSided;
+        if (in.alphaMode == "MASK") out.alpha_mode = AlphaMode::mask;
+        if (in.alphaMode == "BLEND") out.alpha_mode = AlphaMode::blend;
+        if (in.alphaMode != "MASK" && in.alphaMode != "BLEND" && in.alphaMode != "OPAQUE") {
+            warn("alphaMode '" + in.alphaMode.substr(0, 40) + "' is unknown; taken as OPAQUE");
+        }
+    }
+
+    void convert_extensions(const tinygltf::Material& in, Material& out) {
+        const auto extension = [&](const char* name) {
+            return find_extension_value(in.extensions, name);
+        };
+        if (const auto* e = extension("KHR_materials_emissive_strength")) {
+            out.emissive_strength =
+                limited(number_member(*e, "emissiveStrength", 1), 0, kLargestFactor);
+        }
+        out.unlit = extension("KHR_materials_unlit") != nullptr;
+        if (const auto* e = extension("KHR_materials_ior"))
+            out.ior = valid_ior(number_member(*e, "ior", 1.5));
+        if (const auto* e = extension("KHR_materials_specular")) {
+            out.specular_factor = limited(number_member(*e, "specularFactor", 1), 0, 1);
+            out.specular_texture = slot(*e, "specularTexture");
+            double color[3] = {1, 1, 1};
+            numbers_member(*e, "specularColorFactor", 3, color);
+            out.specular_color_factor = color_of(color, kLargestFactor);
+            out.specular_color_texture = slot(*e, "specularColorTexture");
+        }
+        if (const auto* e = extension("KHR_materials_transmission")) {
+            out.transmission_factor = limited(number_member(*e, "transmissionFactor", 0), 0, 1);
+            out.transmission_texture = slot(*e, "transmissionTexture");
+        }
+        if (const auto* e = extension("KHR_materials_volume")) convert_volume(*e, out);
+    }
+
+    void convert_volume(const tinygltf::Value& in, Material& out) {
+        out.thickness_factor = limited(number_member(in, "thicknessFactor", 0), 0, kLargestFactor);
+        double color[3] = {1, 1, 1};
+        numbers_member(in, "attenuationColor", 3, color);
+        out.attenuation_color = color_of(color, 1);
+        if (!member(in, "attenuationDistance")) return;
+        const auto distance = static_cast<float>(number_member(in, "attenuationDistance", 0));
+        if (distance > 0) {
+            out.attenuation_distance = distance;
+        } else {
+            warn("attenuationDistance must be positive; taken as infinite");
+        }
+    }
+
+    float valid_ior(double ior) {
+        if (ior == 0) return 0;
+        if (ior < 1) warn("an index of refraction below 1 is invalid; taken as 1");
+        return limited(ior, 1, kLargestFactor);
+    }
+
+    TextureSlot slot(const tinygltf::TextureInfo& info) {
+        return slot({info.index, info.texCoord, &info.extensions, nullptr});
+    }
+    TextureSlot slot(const tinygltf::NormalTextureInfo& info) {
+        return slot({info.index, info.texCoord, &info.extensions, nullptr});
+    }
+    TextureSlot slot(const tinygltf::Value& extension, const char* key) {
+        const tinygltf::Value* info = member(extension, key);
+        if (!info || !info->IsObject()) return {};
+        const std::optional<uint32_t> index = index_member(*info, "index");
+        if (!index) return {};
+        return slot({static_cast<int>(*index),
+                     static_cast<int>(index_member(*info, "texCoord").value_or(0)), nullptr, info});
+    }
+
+    TextureSlot slot(const TextureReference& reference) {
+        TextureSlot out;
+        if (reference.index < 0 || !used_) return out;
+        out.texture = scene_texture(static_cast<uint32_t>(reference.index));
+        if (!out.used()) return out;
+        int set = reference.uv_set;
+        if (const tinygltf::Value* transform = texture_transform(reference)) {
+            fold_transform(*transform, out);
+            if (const auto over = index_member(*transform, "texCoord"))
+                set = static_cast<int>(*over);
+        }
+        out.uv_set = scene_uv_set(set);
+        return out;
+    }
+
+    static const tinygltf::Value* texture_transform(const TextureReference& reference) {
+        if (reference.extensions)
+            return find_extension_value(*reference.extensions, "KHR_texture_transform");
+        const tinygltf::Value* extensions = member(*reference.value, "extensions");
+        const tinygltf::Value* transform =
+            extensions ? member(*extensions, "KHR_texture_transform") : nullptr;
+        return transform && transform->IsObject() ? transform : nullptr;
+    }
+
+    // uv' = translation * rotation * scale * uv, with the rotation of the extension's text (V
+    // points down).
+    static void fold_transform(const tinygltf::Value& transform, TextureSlot& out) {
+        double offset[2] = {0, 0};
+        double scale[2] = {1, 1};
+        numbers_member(transform, "offset", 2, offset);
+        numbers_member(transform, "scale", 2, scale);
+        const double angle = number_member(transform, "rotation", 0);
+        const double c = std::cos(angle);
+        const double s = std::sin(angle);
+        const auto number = [](double x) { return limited(x, -kLargestFactor, kLargestFactor); };
+        out.transform_u = Vec3f(number(c * scale[0]), number(s * scale[1]), number(offset[0]));
+        out.transform_v = Vec3f(number(-s * scale[0]), number(c * scale[1]), number(offset[1]));
+        out.has_transform = out.transform_u != Vec3f(1, 0, 0) || out.transform_v != Vec3f(0, 1, 0);
+    }
+
+    // The file's TEXCOORD_n as one of the two sets of a mesh.
+    uint8_t scene_uv_set(int set) {
+        const auto wanted = static_cast<uint32_t>(std::clamp(set, 0, static_cast<int>(kMaxUvSet)));
+        auto found = std::find(uv_sets_.begin(), uv_sets_.end(), wanted);
+        if (found == uv_sets_.end()) {
+            if (uv_sets_.size() == 2) {
+                warn("uses more than two texture coordinate sets; TEXCOORD_" +
+                     std::to_string(wanted) + " is replaced by TEXCOORD_" +
+                     std::to_string(uv_sets_[0]));
+                return 0;
+            }
+            found = uv_sets_.insert(uv_sets_.end(), wanted);
+        }
+        return static_cast<uint8_t>(found - uv_sets_.begin());
+    }
+
+    // Sets 0 and 1 unless the material asks for others.
+    UvSets chosen_sets() const {
+        UvSets sets{0, 1};
+        if (!uv_sets_.empty()) {
+            sets[0] = uv_sets_[0];
+            sets[1] = uv_sets_.size() > 1 ? uv_sets_[1] : (sets[0] == 0 ? 1 : 0);
+        }
+        return sets;
+    }
+
+    static TextureWrap wrap_of(int mode) {
+        if (mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return TextureWrap::clamp_to_edge;
+        return mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? TextureWrap::mirrored_repeat
+                                                             : TextureWrap::repeat;
+    }
+
+    uint32_t scene_texture(uint32_t index) {
+        uint32_t& mapped = texture_map_[index];
+        if (mapped != kNoTexture) return mapped;
+        const tinygltf::Model& model = loading_.document.model;
+        const tinygltf::Texture& in = model.textures[index];
+        if (in.source < 0) {
+            warn("textures[" + std::to_string(index) +
+                 "] has no image that can be read; it is left out");
+            return kNoTexture;
+        }
+        Texture out;
+        if (in.sampler >= 0) {
+            const tinygltf::Sampler& sampler = model.samplers[static_cast<size_t>(in.sampler)];
+            out.wrap_u = wrap_of(sampler.wrapS);
+            out.wrap_v = wrap_of(sampler.wrapT);
+            if (sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST)
+                out.filter = TextureFilter::nearest;
+        }
+        mapped = static_cast<uint32_t>(loading_.desc.textures.size());
+        loading_.desc.textures.push_back(out);
+        tables_.image_of.push_back(static_cast<uint32_t>(in.source));
+        return mapped;
+    }
+
+    Loading& loading_;
+    MaterialTables& tables_;
+    std::vector<uint32_t> texture_map_;
+    std::vector<uint32_t> uv_sets_;
+    std::string element_;
+    bool used_ = false;
+};
+
+}  // namespace
+
+MaterialTables convert_materials(Loading& loading, const std::vector<bool>& used) {
+    MaterialTables tables;
+    tables.uv_sets.push_back({0, 1});
+    Material standard;
+    standard.name = "default";
+    loading.desc.materials.push_back(standard);
+    const std::vector<tinygltf::Material>& materials = loading.document.model.materials;
+    MaterialConverter converter(loading, tables);
+    for (size_t i = 0; i < materials.size(); ++i) {
+        loading.desc.materials.push_back(converter.convert(materials[i], i, used[i + 1]));
+    }
+    return tables;
+}
+
+}  // namespace talbot::gltf

@@ -1,0 +1,328 @@
+// One glTF primitive to one Mesh: indices of any mode become a triangle list over just the vertices
+// that it uses, attributes become floats, and what cannot be drawn is dropped with a warning that
+// names the mesh.
+#include "core/io/gltf/meshes.h"
+
+#include <algorithm>
+
+#include "core/io/gltf/accessor.h"
+#include "core/io/gltf/tangents.h"
+#include "core/math/robust.h"
+
+namespace talbot::gltf {
+
+namespace {
+
+class PrimitiveLoader {
+  public:
+    PrimitiveLoader(const Document& document, const PrimitiveRequest& request, MemoryBudget& budget,
+                    uint64_t max_bytes)
+        : document_(document),
+          request_(request),
+          in_(document.model.meshes[request.mesh].primitives[request.primitive]),
+          element_(primitive_name(request.mesh, request.primitive)),
+          budget_(budget),
+          max_bytes_(max_bytes) {}
+
+    Result<PrimitiveResult> run() {
+        if (in_.mode < TINYGLTF_MODE_TRIANGLES) {
+            result_.is_points_or_lines = true;
+            return std::move(result_);
+        }
+        if (attribute("POSITION") < 0) {
+            warn("has no POSITION; it is not drawn");
+            return std::move(result_);
+        }
+        for (const auto step :
+             {&PrimitiveLoader::read_triangles, &PrimitiveLoader::read_positions,
+              &PrimitiveLoader::read_normals, &PrimitiveLoader::read_tangents,
+              &PrimitiveLoader::read_texture_coordinates, &PrimitiveLoader::read_colors}) {
+            if (Status done = (this->*step)(); !done) return done.error();
+            if (mesh_.indices.empty()) return std::move(result_);
+        }
+        drop_unused_vertices();
+        repair_normals();
+        if (request_.wants_tangents && mesh_.tangents.empty() && !mesh_.normals.empty() &&
+            !mesh_.uv[request_.tangent_uv_set].empty()) {
+            if (!budget_.reserve(mesh_.positions.size() * sizeof(Vec4f)))
+                return over_budget(document_, max_bytes_);
+            generate_tangents(mesh_, request_.tangent_uv_set);
+        }
+        const std::string& name = document_.model.meshes[request_.mesh].name;
+        mesh_.name = name.empty() ? "mesh " + std::to_string(request_.mesh) : name;
+        mesh_.material = request_.material;
+        result_.mesh = std::move(mesh_);
+        return std::move(result_);
+    }
+
+  private:
+    void warn(const std::string& what) { result_.warnings.push_back(element_ + ": " + what); }
+    Error fail(const std::string& what) const { return document_.error(element_, what); }
+
+    int attribute(const std::string& name) const {
+        const auto found = in_.attributes.find(name);
+        return found == in_.attributes.end() ? -1 : found->second;
+    }
+
+    template <typename T>
+    Status allocate(std::vector<T>& values, uint64_t count) {
+        if (!budget_.reserve(count * sizeof(T))) return over_budget(document_, max_bytes_);
+        values.resize(count);
+        return Done{};
+    }
+
+    // The order in which vertices are drawn.
+    Status read_order(size_t vertex_count, std::vector<uint32_t>& order) {
+        if (in_.indices < 0) {
+            if (vertex_count > 0xFFFFFFFFull) return fail("has more than 2^32 vertices");
+            if (Status done = allocate(order, vertex_count); !done) return done;
+            for (size_t i = 0; i < order.size(); ++i) order[i] = static_cast<uint32_t>(i);
+            return Done{};
+        }
+        const Result<AccessorView> view = open_accessor(document_, in_.indices);
+        if (!view) return view.error();
+        const bool integers = view->component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+                              view->component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
+                              view->component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+        if (view->components != 1 || !integers)
+            return fail("its indices are not unsigned integers");
+        if (Status done = allocate(order, view->count); !done) return done;
+        read_indices(*view, order.data());
+        for (const uint32_t index : order) {
+            if (index >= vertex_count) {
+                return fail("index " + std::to_string(index) + " is out of range: there are " +
+                            std::to_string(vertex_count) + " vertices");
+            }
+        }
+        return Done{};
+    }
+
+    Status read_triangles() {
+        const Result<AccessorView> positions = open_accessor(document_, attribute("POSITION"));
+        if (!positions) return positions.error();
+        vertex_count_ = positions->count;
+        std::vector<uint32_t> order;
+        if (Status done = read_order(vertex_count_, order); !done) return done;
+        if (order.size() < 3) {
+            warn("has fewer than three indices; it is not drawn");
+            return Done{};
+        }
+        if (in_.mode == TINYGLTF_MODE_TRIANGLES) {
+            if (order.size() % 3 != 0) {
+                warn("the number of indices is not a multiple of three; the rest is not drawn");
+                order.resize(order.size() - order.size() % 3);
+            }
+            mesh_.indices = std::move(order);
+        } else {
+            if (!budget_.reserve(order.size() * 2 * sizeof(uint32_t)))
+                return over_budget(document_, max_bytes_);
+            expand(order);
+        }
+        drop_collapsed();
+        const auto [low, high] = std::minmax_element(mesh_.indices.begin(), mesh_.indices.end());
+        if (low == mesh_.indices.end()) return Done{};
+        first_ = *low;
+        used_ = size_t{*high} - *low + 1;
+        for (uint32_t& index : mesh_.indices) index -= static_cast<uint32_t>(first_);
+        return Done{};
+    }
+
+    // Strips and fans (glTF 2.0, section 3.7.2.1): every triangle keeps the winding of the first.
+    void expand(const std::vector<uint32_t>& order) {
+        mesh_.indices.reserve((order.size() - 2) * 3);
+        for (size_t i = 0; i + 2 < order.size(); ++i) {
+            if (in_.mode == TINYGLTF_MODE_TRIANGLE_FAN) {
+                mesh_.indices.insert(mesh_.indices.end(), {order[i + 1], order[i + 2], order[0]});
+            } else {
+                mesh_.indices.insert(mesh_.indices.end(),
+                                     {order[i], order[i + 1 + i % 2], order[i + 2 - i % 2]});
+            }
+        }
+    }
+
+    template <typename Keep>
+    size_t keep_triangles(const Keep& keep) {
+        size_t out = 0;
+        std::vector<uint32_t>& indices = mesh_.indices;
+        for (size_t i = 0; i < indices.size(); i += 3) {
+            if (!keep(indices[i], indices[i + 1], indices[i + 2])) continue;
+            std::copy_n(indices.begin() + static_cast<ptrdiff_t>(i), 3,
+                        indices.begin() + static_cast<ptrdiff_t>(out));
+            out += 3;
+        }
+        const size_t dropped = (indices.size() - out) / 3;
+        indices.resize(out);
+        return dropped;
+    }
+
+    // Strips are joined by triangles that name a vertex twice.
+    void drop_collapsed() {
+        keep_triangles(
+            [](uint32_t a, uint32_t b, uint32_t c) { return a != b && b != c && c != a; });
+    }
+
+    // Opens an attribute with as many elements as there are positions; `width_min` components at
+    // least.
+    Result<AccessorView> open_attribute(const std::string& name, size_t width_min,
+                                        size_t width_max) {
+        Result<AccessorView> view = open_accessor(document_, attribute(name));
+        if (!view) return view.error();
+        if (view->count != vertex_count_) {
+            return fail("attribute " + name + " has " + std::to_string(view->count) +
+                        " elements, POSITION has " + std::to_string(vertex_count_));
+        }
+        if (view->components < width_min || view->components > width_max) {
+            return fail("attribute " + name + " has the wrong type");
+        }
+        return view;
+    }
+
+    template <typename T>
+    Status read_attribute(const std::string& name, size_t width_min, std::vector<T>& out,
+                          const T& fill) {
+        constexpr auto kWidth = static_cast<size_t>(T::length());
+        const Result<AccessorView> view = open_attribute(name, width_min, kWidth);
+        if (!view) return view.error();
+        if (Status done = allocate(out, used_); !done) return done;
+        if (view->components < kWidth) std::fill(out.begin(), out.end(), fill);
+        read_floats(*view, first_, used_, kWidth, &out[0].x);
+        return Done{};
+    }
+
+    Status read_positions() {
+        if (Status done = read_attribute("POSITION", 3, mesh_.positions, Vec3f(0)); !done)
+            return done;
+        const auto finite = [&](uint32_t v) { return is_finite(mesh_.positions[v]); };
+        const size_t dropped = keep_triangles([&](uint32_t a, uint32_t b, uint32_t c) {
+            return finite(a) && finite(b) && finite(c);
+        });
+        if (dropped > 0)
+            warn("positions that are not finite: " + std::to_string(dropped) +
+                 " triangles are not drawn");
+        return Done{};
+    }
+
+    Status read_normals() {
+        if (attribute("NORMAL") < 0) return Done{};
+        return read_attribute("NORMAL", 3, mesh_.normals, Vec3f(0));
+    }
+
+    // Without normals the file's tangents must be ignored (glTF 2.0, section 3.7.2.1).
+    Status read_tangents() {
+        if (!request_.wants_tangents || mesh_.normals.empty() || attribute("TANGENT") < 0)
+            return Done{};
+        if (Status done = read_attribute("TANGENT", 4, mesh_.tangents, Vec4f(0)); !done)
+            return done;
+        for (Vec4f& t : mesh_.tangents) {
+            const Vec3f direction = safe_normalize(Vec3f(t), Vec3f(0));
+            if (direction == Vec3f(0)) {
+                warn("has tangents that are no directions; they are made anew");
+                mesh_.tangents.clear();
+                return Done{};
+            }
+            t = Vec4f(direction, t.w < 0 ? -1.0f : 1.0f);
+        }
+        return Done{};
+    }
+
+    Status read_texture_coordinates() {
+        for (size_t set = 0; set < 2; ++set) {
+            const std::string name = "TEXCOORD_" + std::to_string(request_.uv_sets[set]);
+            if (attribute(name) < 0) continue;
+            std::vector<Vec2f>& uv = mesh_.uv[set];
+            if (Status done = read_attribute(name, 2, uv, Vec2f(0)); !done) return done;
+            for (Vec2f& t : uv) {
+                if (!is_finite(t)) t = Vec2f(0);
+            }
+        }
+        return Done{};
+    }
+
+    Status read_colors() {
+        if (attribute("COLOR_0") < 0) return Done{};
+        if (Status done = read_attribute("COLOR_0", 3, mesh_.colors, Vec4f(1)); !done) return done;
+        for (Vec4f& color : mesh_.colors) {
+            for (int i = 0; i < 4; ++i) color[i] = color[i] > 0 ? std::min(color[i], 1.0f) : 0.0f;
+        }
+        return Done{};
+    }
+
+    template <typename T>
+    static void gather(std::vector<T>& values, const std::vector<uint32_t>& kept) {
+        if (values.empty()) return;
+        for (size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
+        values.resize(kept.size());
+        values.shrink_to_fit();
+    }
+
+    void drop_unused_vertices() {
+        constexpr uint32_t kUnused = 0xFFFFFFFFu;
+        std::vector<uint32_t> renumbered(mesh_.positions.size(), kUnused);
+        for (const uint32_t index : mesh_.indices) renumbered[index] = 0;
+        std::vector<uint32_t> kept;
+        kept.reserve(renumbered.size());
+        for (uint32_t v = 0; v < renumbered.size(); ++v) {
+            if (renumbered[v] == kUnused) continue;
+            renumbered[v] = static_cast<uint32_t>(kept.size());
+            kept.push_back(v);
+        }
+        if (kept.size() == renumbered.size()) return;
+        for (uint32_t& index : mesh_.indices) index = renumbered[index];
+        gather(mesh_.positions, kept);
+        gather(mesh_.normals, kept);
+        gather(mesh_.tangents, kept);
+        gather(mesh_.uv[0], kept);
+        gather(mesh_.uv[1], kept);
+        gather(mesh_.colors, kept);
+    }
+
+    // Unit length everywhere; a normal that is no direction is replaced by the area-weighted mean
+    // of its triangles' normals.
+    void repair_normals() {
+        size_t bad = 0;
+        for (Vec3f& n : mesh_.normals) {
+            n = safe_normalize(n, Vec3f(0));
+            if (n == Vec3f(0)) ++bad;
+        }
+        if (bad == 0) return;
+        warn(std::to_string(bad) + " normals are no directions; they are taken from the triangles");
+        std::vector<Vec3d> sums(mesh_.normals.size(), Vec3d(0));
+        for (size_t i = 0; i < mesh_.indices.size(); i += 3) {
+            const uint32_t* v = &mesh_.indices[i];
+            const Vec3d p(mesh_.positions[v[0]]);
+            const Vec3d n =
+                cross(Vec3d(mesh_.positions[v[1]]) - p, Vec3d(mesh_.positions[v[2]]) - p);
+            for (int k = 0; k < 3; ++k) sums[v[k]] += n;
+        }
+        for (size_t v = 0; v < sums.size(); ++v) {
+            if (mesh_.normals[v] != Vec3f(0)) continue;
+            const double size = length(sums[v]);
+            mesh_.normals[v] = size > 0 && is_finite(size) ? Vec3f(sums[v] / size) : Vec3f(0, 0, 1);
+        }
+    }
+
+    const Document& document_;
+    const PrimitiveRequest& request_;
+    const tinygltf::Primitive& in_;
+    std::string element_;
+    MemoryBudget& budget_;
+    uint64_t max_bytes_;
+    PrimitiveResult result_;
+    Mesh mesh_;
+    size_t vertex_count_ = 0;  // of the accessor
+    size_t first_ = 0;         // the used vertices are [first_, first_ + used_)
+    size_t used_ = 0;
+};
+
+}  // namespace
+
+std::string primitive_name(uint32_t mesh, uint32_t primitive) {
+    return "meshes[" + std::to_string(mesh) + "].primitives[" + std::to_string(primitive) + "]";
+}
+
+Result<PrimitiveResult> load_primitive(const Document& document, const PrimitiveRequest& request,
+                                       MemoryBudget& budget, uint64_t max_bytes) {
+    return PrimitiveLoader(document, request, budget, max_bytes).run();
+}
+
+}  // namespace talbot::gltf

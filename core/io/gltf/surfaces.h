@@ -1,0 +1,39 @@
+// What the nodes of a scene put into the world: mesh instances and analytic spheres.
+#pragma once
+
+#include <vector>
+
+#include "core/io/gltf/loading.h"
+#include "core/io/gltf/nodes.h"
+
+namespace talbot::gltf {
+
+// One use of a mesh of the file, before its primitives are loaded.
+struct MeshUse {
+    uint32_t mesh = 0;
+    uint32_t object = 0;
+    Mat4d world{1.0};
+};
+
+// A sphere of a node, with the material of the scene.
+struct SphereUse {
+    double radius = 1;
+    uint32_t material = 0;
+    uint32_t object = 0;
+    Mat4d world{1.0};
+};
+
+struct SurfaceUses {
+    std::vector<MeshUse> meshes;
+    std::vector<SphereUse> spheres;
+};
+
+// Follows the nodes; fills desc.objects. Instances that cannot be seen (zero scale, not finite) are
+// dropped and counted.
+Result<SurfaceUses> find_surfaces(Loading& loading, const std::vector<PlacedNode>& nodes);
+
+// Fills desc.spheres; a sphere under non-uniform scale becomes an ellipsoid of triangles in
+// desc.meshes, with a warning.
+Status place_spheres(Loading& loading, const std::vector<SphereUse>& spheres);
+
+}  // namespace talbot::gltf

@@ -1,0 +1,258 @@
+// load_gltf: the order of the steps. Each step lives in its own file under gltf/.
+#include "core/io/gltf_loader.h"
+
+#include <algorithm>
+#include <new>
+#include <variant>
+
+#include "core/base/worker_pool.h"
+#include "core/io/gltf/extensions.h"
+#include "core/io/gltf/images.h"
+#include "core/io/gltf/loading.h"
+#include "core/io/gltf/materials.h"
+#include "core/io/gltf/meshes.h"
+#include "core/io/gltf/nodes.h"
+#include "core/io/gltf/surfaces.h"
+#include "core/io/gltf/view.h"
+#include "core/io/image_io.h"
+#include "core/math/robust.h"
+
+namespace talbot {
+
+namespace {
+
+using namespace gltf;
+
+constexpr uint32_t kNotLoaded = 0xFFFFFFFFu;
+
+// One image or one primitive: what the threads work on.
+struct DecodeJob {
+    std::variant<uint32_t, PrimitiveRequest> task;  // image index, or primitive
+    std::optional<Error> error;
+    std::shared_ptr<const Image8> image;
+    PrimitiveResult primitive;
+};
+
+class GltfLoader {
+  public:
+    explicit GltfLoader(Loading& loading) : loading_(loading), model_(loading.document.model) {}
+
+    Result<SceneDesc> run() {
+        SceneDesc& desc = loading_.desc;
+        desc.file = loading_.document.file.string();
+        const Status extensions =
+            check_extensions(model_.extensionsUsed, model_.extensionsRequired, desc);
+        if (!extensions) return extensions.error();
+        const Result<std::optional<size_t>> scene = choose_scene(loading_);
+        if (!scene) return scene.error();
+        desc.name = scene_name(*scene);
+        const Result<std::vector<PlacedNode>> nodes = place_nodes(loading_, *scene);
+        if (!nodes) return nodes.error();
+        place_cameras(loading_, *nodes);
+        if (Status lights = place_lights(loading_, *nodes); !lights) return lights.error();
+        read_environment(loading_, *scene);
+        Result<SurfaceUses> uses = find_surfaces(loading_, *nodes);
+        if (!uses) return uses.error();
+        report(0.1f, "materials");
+        tables_ = convert_materials(loading_, used_materials(*uses));
+        if (Status decoded = decode(*uses); !decoded) return decoded.error();
+        place_meshes(*uses);
+        if (Status spheres = place_spheres(loading_, uses->spheres); !spheres)
+            return spheres.error();
+        drop_distant_instances();
+        report(1.0f, "scene");
+        return std::move(desc);
+    }
+
+  private:
+    void report(float fraction, const char* stage) const {
+        if (loading_.options.progress) loading_.options.progress(fraction, stage);
+    }
+
+    Error cancelled() const {
+        return {ErrorKind::cancelled, loading_.desc.file, "", "loading was cancelled"};
+    }
+
+    std::string scene_name(std::optional<size_t> scene) const {
+        if (scene && !model_.scenes[*scene].name.empty()) return model_.scenes[*scene].name;
+        return loading_.document.file.stem().string();
+    }
+
+    // Scene material of a primitive.
+    static uint32_t material_of(const tinygltf::Primitive& primitive) {
+        return static_cast<uint32_t>(primitive.material + 1);
+    }
+
+    std::vector<bool> used_materials(const SurfaceUses& uses) const {
+        std::vector<bool> used(model_.materials.size() + 1, false);
+        for (const MeshUse& use : uses.meshes) {
+            for (const tinygltf::Primitive& primitive : model_.meshes[use.mesh].primitives)
+                used[material_of(primitive)] = true;
+        }
+        for (const SphereUse& use : uses.spheres) used[use.material] = true;
+        return used;
+    }
+
+    PrimitiveRequest request(uint32_t mesh, uint32_t primitive) const {
+        PrimitiveRequest wanted;
+        wanted.mesh = mesh;
+        wanted.primitive = primitive;
+        wanted.material = material_of(model_.meshes[mesh].primitives[primitive]);
+        wanted.uv_sets = tables_.uv_sets[wanted.material];
+        const TextureSlot& normal = loading_.desc.materials[wanted.material].normal_texture;
+        wanted.wants_tangents = normal.used();
+        wanted.tangent_uv_set = normal.uv_set;
+        return wanted;
+    }
+
+    // Images first: they are the long ones.
+    std::vector<DecodeJob> make_jobs(const SurfaceUses& uses) {
+        std::vector<DecodeJob> jobs;
+        std::vector<bool> wanted_image(loading_.document.images.size(), false);
+        for (const uint32_t image : tables_.image_of) {
+            if (wanted_image[image]) continue;
+            wanted_image[image] = true;
+            jobs.push_back({image, {}, {}, {}});
+        }
+        first_primitive_.assign(model_.meshes.size(), kNotLoaded);
+        for (const MeshUse& use : uses.meshes) {
+            if (first_primitive_[use.mesh] != kNotLoaded) continue;
+            first_primitive_[use.mesh] = static_cast<uint32_t>(jobs.size());
+            const auto count = static_cast<uint32_t>(model_.meshes[use.mesh].primitives.size());
+            for (uint32_t p = 0; p < count; ++p) jobs.push_back({request(use.mesh, p), {}, {}, {}});
+        }
+        return jobs;
+    }
+
+    void run_job(DecodeJob& job) {
+        const uint64_t max_bytes = loading_.options.max_bytes;
+        if (const auto* image = std::get_if<uint32_t>(&job.task)) {
+            auto loaded = load_image8(loading_.document, *image, loading_.budget, max_bytes);
+            if (loaded) job.image = std::move(loaded.value());
+            if (!loaded) job.error = loaded.error();
+        } else {
+            auto loaded = load_primitive(loading_.document, std::get<PrimitiveRequest>(job.task),
+                                         loading_.budget, max_bytes);
+            if (loaded) job.primitive = std::move(loaded.value());
+            if (!loaded) job.error = loaded.error();
+        }
+    }
+
+    // In batches, between which progress is reported from this thread.
+    Status decode(const SurfaceUses& uses) {
+        jobs_ = make_jobs(uses);
+        WorkerPool pool(loading_.options.threads);
+        const size_t batch = std::max<size_t>(32, size_t{8} * pool.size());
+        size_t done = 0;
+        bool hashed = false;
+        while (done < jobs_.size() || !hashed) {
+            const size_t count = std::min(batch, jobs_.size() - done);
+            const size_t extra = hashed ? 0 : 1;
+            pool.parallel_for(
+                count + extra,
+                [&](uint64_t i, unsigned) {
+                    if (i < count) run_job(jobs_[done + i]);
+                    if (i == count) loading_.desc.sha256 = sha256_hex(loading_.document.bytes);
+                },
+                loading_.options.stop);
+            if (loading_.options.stop.stop_requested()) return cancelled();
+            hashed = true;
+            done += count;
+            for (size_t i = done - count; i < done; ++i) {
+                if (jobs_[i].error) return *jobs_[i].error;
+            }
+            const float fraction =
+                jobs_.empty() ? 1.0f : static_cast<float>(done) / static_cast<float>(jobs_.size());
+            report(0.1f + 0.85f * fraction, "meshes and textures");
+        }
+        assign_images();
+        return Done{};
+    }
+
+    void assign_images() {
+        std::vector<std::shared_ptr<const Image8>> images(loading_.document.images.size());
+        for (DecodeJob& job : jobs_) {
+            if (const auto* image = std::get_if<uint32_t>(&job.task))
+                images[*image] = std::move(job.image);
+        }
+        for (size_t i = 0; i < tables_.image_of.size(); ++i)
+            loading_.desc.textures[i].image = images[tables_.image_of[i]];
+    }
+
+    void place_meshes(const SurfaceUses& uses) {
+        SceneDesc& desc = loading_.desc;
+        std::vector<uint32_t> scene_mesh(jobs_.size(), kNotLoaded);
+        size_t skipped = 0;
+        std::string first_skipped;
+        for (size_t i = 0; i < jobs_.size(); ++i) {
+            PrimitiveResult& primitive = jobs_[i].primitive;
+            desc.warnings.insert(desc.warnings.end(), primitive.warnings.begin(),
+                                 primitive.warnings.end());
+            if (primitive.is_points_or_lines && skipped++ == 0) {
+                const auto& request = std::get<PrimitiveRequest>(jobs_[i].task);
+                first_skipped = primitive_name(request.mesh, request.primitive);
+            }
+            if (!primitive.mesh) continue;
+            scene_mesh[i] = static_cast<uint32_t>(desc.meshes.size());
+            desc.meshes.push_back(std::move(*primitive.mesh));
+        }
+        if (skipped > 0) {
+            loading_.warn(first_skipped,
+                          std::to_string(skipped) + " primitives of points or lines are not drawn");
+        }
+        for (const MeshUse& use : uses.meshes) {
+            const size_t first = first_primitive_[use.mesh];
+            for (size_t p = 0; p < model_.meshes[use.mesh].primitives.size(); ++p) {
+                if (scene_mesh[first + p] == kNotLoaded) continue;
+                desc.instances.push_back({scene_mesh[first + p], use.object, use.world});
+            }
+        }
+    }
+
+    // Beyond kMaxCoordinate the squares of distances overflow.
+    void drop_distant_instances() {
+        SceneDesc& desc = loading_.desc;
+        std::vector<double> reach(desc.meshes.size(), 0);
+        for (size_t m = 0; m < reach.size(); ++m) {
+            for (const Vec3f& p : desc.meshes[m].positions)
+                reach[m] = std::max(reach[m], length(Vec3d(p)));
+        }
+        const auto is_distant = [](const Vec3d& center, double radius) {
+            return !(max_component(glm::abs(center)) + radius < kMaxCoordinate);
+        };
+        size_t dropped = std::erase_if(desc.instances, [&](const MeshInstance& instance) {
+            const Mat4d& m = instance.world_from_object;
+            const double growth = length(Vec3d(m[0])) + length(Vec3d(m[1])) + length(Vec3d(m[2]));
+            return is_distant(Vec3d(m[3]), growth * reach[instance.mesh]);
+        });
+        dropped += std::erase_if(desc.spheres,
+                                 [&](const Sphere& s) { return is_distant(s.center, s.radius); });
+        if (dropped > 0)
+            desc.warnings.push_back(std::to_string(dropped) +
+                                    " instances reach too far out and are not drawn");
+    }
+
+    Loading& loading_;
+    const tinygltf::Model& model_;
+    MaterialTables tables_;
+    std::vector<DecodeJob> jobs_;
+    std::vector<uint32_t> first_primitive_;  // job of each mesh's first primitive
+};
+
+}  // namespace
+
+Result<SceneDesc> load_gltf(const std::filesystem::path& file, const LoadOptions& options) {
+    try {
+        if (options.progress) options.progress(0, "reading");
+        Result<gltf::Document> document = gltf::read_document(file, options.max_bytes);
+        if (!document) return document.error();
+        if (options.stop.stop_requested())
+            return Error{ErrorKind::cancelled, file.string(), "", "loading was cancelled"};
+        gltf::Loading loading(std::move(document.value()), options);
+        return GltfLoader(loading).run();
+    } catch (const std::bad_alloc&) {
+        return Error{ErrorKind::bad_input, file.string(), "", "does not fit into the memory"};
+    }
+}
+
+}  // namespace talbot
