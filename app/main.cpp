@@ -1,3 +1,59 @@
-#include <cstdio>
+// The program: parse, choose a driver, map its outcome to the exit code.
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <string>
+#include <vector>
 
-int main() { return 0; }
+#include "app/exit_code.h"
+#include "app/headless.h"
+#include "app/info.h"
+#include "app/options.h"
+#include "app/replay.h"
+
+namespace talbot {
+namespace {
+
+constexpr uint64_t kFramesWithoutDisplay = 64;
+
+// Where a viewer was meant but no window can be: a picture, and where it is.
+int render_without_display(Options options, std::chrono::steady_clock::time_point start) {
+    options.frames = kFramesWithoutDisplay;
+    options.outputs = {(std::filesystem::current_path() / "talbot.png").string()};
+    const int code = run_headless(options, start);
+    if (code == kExitDone) log_info("there is no display; the picture is " + options.outputs.front());
+    return code;
+}
+
+int run(int argc, char** argv, std::chrono::steady_clock::time_point start) {
+    const Result<std::optional<Options>> parsed = parse_options(argc, argv);
+    if (!parsed) {
+        log_error(parsed.error().line());
+        return exit_code(parsed.error());
+    }
+    if (!*parsed) return kExitDone;
+    const Options& options = **parsed;
+    set_log_level(options.log_level);
+    if (options.command == Command::info) return run_info(options);
+    if (options.pixel) return run_replay(options);
+    if (options.headless() || !options.screenshot.empty()) return run_headless(options, start);
+    return render_without_display(options, start);
+}
+
+}  // namespace
+}  // namespace talbot
+
+int main(int argc, char** argv) {
+    const auto start = std::chrono::steady_clock::now();
+    try {
+        return talbot::run(argc, argv, start);
+    } catch (const std::bad_alloc&) {
+        talbot::log_error("out of memory; try a smaller --size or scene");
+    } catch (const std::exception& error) {
+        talbot::log_error(error.what());
+    }
+    return talbot::kExitFailed;
+}

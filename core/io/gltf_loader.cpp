@@ -209,7 +209,7 @@ class GltfLoader {
         }
     }
 
-    // Beyond kMaxCoordinate the squares of distances overflow.
+    // Beyond kMaxWorldCoordinate the squares of distances overflow.
     void drop_distant_instances() {
         SceneDesc& desc = loading_.desc;
         std::vector<double> reach(desc.meshes.size(), 0);
@@ -218,7 +218,7 @@ class GltfLoader {
                 reach[m] = std::max(reach[m], length(Vec3d(p)));
         }
         const auto is_distant = [](const Vec3d& center, double radius) {
-            return !(max_component(glm::abs(center)) + radius < kMaxCoordinate);
+            return !(max_component(glm::abs(center)) + radius < kMaxWorldCoordinate);
         };
         size_t dropped = std::erase_if(desc.instances, [&](const MeshInstance& instance) {
             const Mat4d& m = instance.world_from_object;

@@ -48,7 +48,7 @@ inline constexpr double kSingularRatio = 1e-14;
 inline constexpr double kUniformScaleTolerance = 1e-5;
 
 // Largest world coordinate in metres: the squares of distances fit a float with room to spare.
-inline constexpr double kMaxCoordinate = 1e15;
+inline constexpr double kMaxWorldCoordinate = 1e15;
 
 // Finite test on the bits, so that it holds under any compiler flag.
 inline bool is_finite(float x) {

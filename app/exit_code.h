@@ -1,0 +1,33 @@
+// The program's exit codes, and the one place that maps errors to them.
+#pragma once
+
+#include "core/base/result.h"
+
+namespace talbot {
+
+enum ExitCode : int {
+    kExitDone = 0,
+    kExitFailed = 1,
+    kExitUsage = 2,
+    kExitBadInput = 3,
+    kExitCannotWrite = 4,
+    kExitInterrupted = 130,
+};
+
+inline int exit_code(const Error& error) {
+    switch (error.kind) {
+        case ErrorKind::usage:
+            return kExitUsage;
+        case ErrorKind::bad_input:
+            return kExitBadInput;
+        case ErrorKind::cannot_write:
+            return kExitCannotWrite;
+        case ErrorKind::cancelled:
+            return kExitInterrupted;
+        case ErrorKind::failed:
+            return kExitFailed;
+    }
+    return kExitFailed;
+}
+
+}  // namespace talbot

@@ -1,0 +1,209 @@
+#include "app/headless.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+
+#include "app/exit_code.h"
+#include "app/run_record.h"
+#include "app/scene_setup.h"
+#include "core/io/image_io.h"
+#include "core/session/session.h"
+
+namespace talbot {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+volatile std::sig_atomic_t interrupt_signals = 0;
+
+void on_signal(int) {
+    interrupt_signals = interrupt_signals + 1;
+}
+
+void catch_signals() {
+    struct sigaction action {};
+    action.sa_handler = on_signal;
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+}
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::string extension_of(const std::string& file) {
+    std::string extension = std::filesystem::path(file).extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
+
+// Refuses outputs that could not be written, before any work is done.
+Status check_outputs(const Options& options) {
+    std::vector<std::string> files = options.outputs;
+    for (const std::string& output : options.outputs) {
+        const std::string extension = extension_of(output);
+        if (extension != ".png" && extension != ".exr" && extension != ".hdr" &&
+            extension != ".pfm") {
+            return Error{ErrorKind::usage, output, "--output",
+                         "unknown kind '" + extension + "'; use .png, .exr, .hdr or .pfm"};
+        }
+    }
+    for (const std::string& extra : {options.report, options.film, options.screenshot}) {
+        if (!extra.empty()) files.push_back(extra);
+    }
+    for (const std::string& file : files) {
+        std::filesystem::path folder = std::filesystem::path(file).parent_path();
+        if (folder.empty()) folder = ".";
+        std::error_code code;
+        if (!std::filesystem::is_directory(folder, code)) {
+            return Error{ErrorKind::cannot_write, file, "",
+                         "the folder '" + folder.string() + "' does not exist"};
+        }
+        if (access(folder.c_str(), W_OK) != 0 || std::filesystem::is_directory(file, code)) {
+            return Error{ErrorKind::cannot_write, file, "", "cannot be written here"};
+        }
+    }
+    return Done{};
+}
+
+void print_progress(const Snapshot& s, uint64_t frames) {
+    char text[160];
+    int used =
+        std::snprintf(text, sizeof(text), "\r%llu", static_cast<unsigned long long>(s.passes));
+    const auto append = [&](const char* format, auto... values) {
+        if (used > 0 && static_cast<std::size_t>(used) < sizeof(text)) {
+            used += std::snprintf(text + used, sizeof(text) - static_cast<std::size_t>(used),
+                                  format, values...);
+        }
+    };
+    if (frames > 0) append("/%llu", static_cast<unsigned long long>(frames));
+    append(" passes, %.1f s", s.render_seconds);
+    if (s.error.valid) append(", error %.2f %%", s.error.relrmse_percent);
+    if (frames > s.passes && s.passes > 0) {
+        append(", %.0f s left", s.render_seconds / static_cast<double>(s.passes) *
+                                    static_cast<double>(frames - s.passes));
+    }
+    std::fprintf(stderr, "%-78s", text);
+    std::fflush(stderr);
+}
+
+// Waits for the end of the render, or for a signal; true when interrupted.
+bool wait_for_end(RenderSession& session, uint64_t generation, const Options& options) {
+    const bool progress = isatty(STDERR_FILENO) != 0 && options.log_level >= LogLevel::info;
+    bool shown = false;
+    Clock::time_point last = Clock::now();
+    for (;;) {
+        if (session.wait_for(generation, UINT64_MAX, 0.05)) break;
+        if (interrupt_signals > 0) break;
+        if (progress && seconds_since(last) > 0.5) {
+            last = Clock::now();
+            if (const auto snapshot = session.latest()) {
+                print_progress(*snapshot, options.frames.value_or(0));
+                shown = true;
+            }
+        }
+    }
+    if (shown) std::fprintf(stderr, "\n");
+    return interrupt_signals > 0;
+}
+
+Metadata metadata_of(const Snapshot& s) {
+    return {{"Software", "Talbot " TALBOT_VERSION},
+            {"Scene", s.scene->file()},
+            {"Samples", std::to_string(s.passes)},
+            {"Seed", std::to_string(s.settings.seed)}};
+}
+
+Status write_image(const std::string& file, const Snapshot& s, const DisplaySettings& display) {
+    const std::string extension = extension_of(file);
+    const Metadata metadata = metadata_of(s);
+    if (extension == ".exr") return save_exr(file, *s.image, {}, metadata);
+    if (extension == ".hdr") return save_hdr(file, *s.image);
+    if (extension == ".pfm") return save_pfm(file, *s.image);
+    return save_png(file, develop(*s.image, display), metadata);
+}
+
+Status write_files(const Options& options, RenderSession& session, const Snapshot& s,
+                   std::string& film_hash) {
+    for (const std::string& output : options.outputs) {
+        if (Status status = write_image(output, s, options.display); !status) return status;
+    }
+    session.with_film([&](const Film& film) {
+        if (!options.report.empty()) film_hash = film.hash();
+    });
+    return Done{};
+}
+
+int report_error(const Error& error) {
+    log_error(error.line());
+    return exit_code(error);
+}
+
+}  // namespace
+
+int run_headless(const Options& options, Clock::time_point process_start) {
+    if (Status status = check_outputs(options); !status) return report_error(status.error());
+    catch_signals();
+    const auto pool = std::make_shared<WorkerPool>(options.threads);
+    Result<SceneSetup> setup = set_up_scene(options, *pool);
+    if (!setup) return report_error(setup.error());
+
+    // What writing takes is not known before; a small share of the budget is kept for it.
+    constexpr double kWriteShare = 0.02;
+    SessionPolicy policy;
+    policy.threads = options.threads;
+    if (options.time_seconds) {
+        const double left =
+            *options.time_seconds * (1 - kWriteShare) - seconds_since(process_start);
+        policy.time_limit_seconds = std::max(left, 1e-3);
+    }
+    if (options.target_error_percent) policy.target_error_percent = *options.target_error_percent;
+    const bool has_end = options.frames || options.time_seconds || options.target_error_percent;
+    const uint64_t frames = options.frames.value_or(has_end ? 0 : 1);
+
+    RenderSession session(policy, pool);
+    session.submit(SetSettings{setup->settings});
+    session.submit(SetPassLimit{frames});
+    const uint64_t generation = session.submit(SetScene{setup->scene, setup->camera});
+    const bool interrupted = wait_for_end(session, generation, options);
+    session.stop();
+    const std::shared_ptr<const Snapshot> snapshot = session.latest();
+    if (!snapshot) {
+        log_error("interrupted before the first sample; nothing was written");
+        return kExitInterrupted;
+    }
+
+    const Clock::time_point write_start = Clock::now();
+    RunRecord record;
+    if (Status status = write_files(options, session, *snapshot, record.film_hash); !status)
+        return report_error(status.error());
+    record.snapshot = snapshot.get();
+    record.threads = pool->size();
+    record.target_error_percent = options.target_error_percent;
+    record.interrupted = interrupted;
+    record.seconds = {setup->load_seconds, setup->build_seconds, snapshot->render_seconds,
+                      seconds_since(write_start), seconds_since(process_start)};
+    if (!options.report.empty()) {
+        const std::string text = run_record_json(record);
+        const std::span<const char> chars(text);
+        const auto* bytes = reinterpret_cast<const uint8_t*>(chars.data());
+        if (Status status = write_file_atomically(options.report, {bytes, chars.size()}); !status)
+            return report_error(status.error());
+    }
+    const NonFiniteCount& bad = snapshot->nonfinite;
+    if (bad.total() > 0) {
+        log_warning(std::to_string(bad.total()) +
+                    " samples were not usable and count as zero; replay the first with --pixel " +
+                    std::to_string(bad.first_x) + "," + std::to_string(bad.first_y) + " --sample " +
+                    std::to_string(bad.first_sample));
+        if (options.strict) return kExitFailed;
+    }
+    return interrupted ? kExitInterrupted : kExitDone;
+}
+
+}  // namespace talbot

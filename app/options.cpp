@@ -1,0 +1,271 @@
+#include "app/options.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+
+namespace talbot {
+namespace {
+
+// Above this a film would not fit into the memory of an ordinary machine.
+constexpr uint64_t kMaxPixels = uint64_t{1} << 26;
+constexpr uint32_t kMaxSide = 65535;
+
+struct RawOptions {
+    std::string size, orbit, tone_map, background = "environment", sampler, filter, pixel,
+                                       effects = "auto", log = "info";
+    double exposure = 0;
+    bool quiet = false;
+    bool no_roulette = false;
+    bool no_nee = false;
+};
+
+Error usage(const std::string& option, const std::string& what) {
+    return {ErrorKind::usage, "", option, what};
+}
+
+template <typename Table>
+std::string names_of(const Table& table) {
+    std::string text;
+    for (const auto& row : table) text += (text.empty() ? "" : ", ") + std::string(row.name);
+    return text;
+}
+
+// Looks a word up in a table of {enum, name, label} rows.
+template <typename Enum, typename Table, typename Member>
+Status set_from_table(const std::string& word, const std::string& option, const Table& table,
+                      Member member, Enum& value) {
+    if (word.empty()) return Done{};
+    for (const auto& row : table) {
+        if (row.name == word) {
+            value = row.*member;
+            return Done{};
+        }
+    }
+    return usage(option, "'" + word + "' is not known; use one of " + names_of(table));
+}
+
+// Comma-separated finite numbers, exactly `count` of them.
+Result<std::vector<double>> parse_numbers(const std::string& text, const std::string& option,
+                                          std::size_t count) {
+    std::vector<double> numbers;
+    std::size_t start = 0;
+    while (start <= text.size()) {
+        const std::size_t comma = std::min(text.find(',', start), text.size());
+        const std::string part = text.substr(start, comma - start);
+        char* end = nullptr;
+        const double value = std::strtod(part.c_str(), &end);
+        if (part.empty() || *end != '\0' || !std::isfinite(value)) {
+            return usage(option, "'" + part + "' is not a number; give " + std::to_string(count) +
+                                     " numbers with commas");
+        }
+        numbers.push_back(value);
+        start = comma + 1;
+    }
+    if (numbers.size() != count) {
+        return usage(option, "needs " + std::to_string(count) + " numbers with commas, got " +
+                                 std::to_string(numbers.size()));
+    }
+    return numbers;
+}
+
+Result<Resolution> parse_size(const std::string& text) {
+    unsigned long long width = 0;
+    unsigned long long height = 0;
+    char tail = 0;
+    const bool digits = text.find_first_not_of("0123456789x") == std::string::npos;
+    if (!digits || text.size() > 16 ||
+        std::sscanf(text.c_str(), "%llux%llu%c", &width, &height, &tail) != 2) {
+        return usage("--size", "'" + text + "' is not WIDTHxHEIGHT, e.g. 960x540");
+    }
+    if (width == 0 || height == 0)
+        return usage("--size", "'" + text + "' has no pixels; both sides must be at least 1");
+    if (width > kMaxSide || height > kMaxSide || width * height > kMaxPixels) {
+        return usage("--size", "'" + text + "' is too large; at most " + std::to_string(kMaxSide) +
+                                   " a side and " + std::to_string(kMaxPixels) + " pixels in all");
+    }
+    return Resolution{static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
+}
+
+void declare(CLI::App& app, Options& o, RawOptions& raw) {
+    app.add_option("SCENE", o.scene_file,
+                   "glTF scene (.gltf or .glb); without it the built-in scene");
+    app.add_option("--frames", o.frames, "headless: N passes of one sample per pixel, then exit");
+    app.add_option("--time", o.time_seconds, "headless: stop at this wall-clock budget in seconds");
+    app.add_option(
+        "--target-error", o.target_error_percent,
+        "headless: stop when the upper 95 % bound of the estimated relative RMSE is below PCT");
+    app.add_option("--output", o.outputs, "write .png, .exr, .hdr or .pfm; may be repeated")
+        ->allow_extra_args(false);
+    app.add_option("--screenshot", o.screenshot,
+                   "PNG of the viewer window with its panels, drawn offscreen");
+    app.add_option("--interact", o.interact,
+                   "replay an interaction script offscreen and report latencies");
+    app.add_option("--report", o.report, "JSON run record");
+    app.add_option("--film", o.film, "write the raw film, for `talbot merge`");
+    app.add_option("--size", raw.size, "image size WxH; default the camera's, else 960x540");
+    app.add_option("--threads", o.threads, "worker threads; default all cores");
+    app.add_option("--seed", o.render.seed, "seed of the random numbers");
+    app.add_option("--first-sample", o.render.first_sample, "sample indices start here");
+    app.add_option("--camera", o.camera, "camera of the file, by name or index");
+    app.add_option("--orbit", raw.orbit,
+                   "camera X,Y,Z,THETA,PHI,RADIUS,FOVY: target, angles in degrees, vertical fov");
+    app.add_option("--scene", o.scene_name, "scene of the file, by name or index");
+    app.add_option("--variant", o.variant, "material variant by name");
+    app.add_option("--animation-time", o.animation_time,
+                   "seconds into the animations; default the rest pose");
+    app.add_option("--environment", o.environment, "FILE.hdr, FILE.exr or a colour R,G,B");
+    app.add_option("--environment-rotation", o.environment_rotation,
+                   "degrees, counter-clockwise seen from +Y");
+    app.add_option("--exposure", raw.exposure, "exposure in EV");
+    app.add_option("--tone-map", raw.tone_map, names_of(kToneMaps));
+    app.add_option("--background", raw.background, "environment or transparent");
+    app.add_option("--max-depth", o.render.max_depth, "most scattering events on a path");
+    app.add_option("--sampler", raw.sampler, names_of(kSamplers));
+    app.add_option("--filter", raw.filter, names_of(kFilters));
+    app.add_flag("--no-roulette", raw.no_roulette,
+                 "follow every path to its end or to --max-depth");
+    app.add_flag("--no-nee", raw.no_nee, "no next-event estimation: find lights by chance only");
+    app.add_option("--tile-size", o.render.tile_size,
+                   "pixels a side of a work tile; changes no pixel");
+    app.add_option("--effects", raw.effects, "auto, all, or a list of effects to force on");
+    app.add_option("--pixel", raw.pixel,
+                   "X,Y: replay one sample of one pixel with a log of its steps");
+    app.add_option("--sample", o.sample, "the sample index that --pixel replays");
+    app.add_flag("--strict", o.strict, "fail when any sample was not finite");
+    app.add_flag("--json", o.json, "info: print JSON");
+    app.add_flag("--quiet", raw.quiet, "errors only");
+    app.add_option("--log", raw.log, "error, warning, info or debug");
+    app.set_version_flag("--version", "talbot " TALBOT_VERSION);
+    app.footer(
+        "Commands: talbot info SCENE, talbot compare A B, talbot merge OUT IN...\n"
+        "Exit codes: 0 done, 1 failed, 2 usage, 3 bad input file, 4 cannot write, 130 "
+        "interrupted.");
+}
+
+Status convert_effects(const std::string& text, Options& o) {
+    if (text == "auto") return Done{};
+    if (text == "all") {
+        o.render.forced_on = EffectSet::all();
+        return Done{};
+    }
+    std::size_t start = 0;
+    while (start <= text.size()) {
+        const std::size_t comma = std::min(text.find(',', start), text.size());
+        const std::string word = text.substr(start, comma - start);
+        start = comma + 1;
+        if (word == "auto") continue;
+        const std::optional<Effect> effect = effect_from_name(word);
+        if (!effect)
+            return usage("--effects", "'" + word + "' is not an effect; use auto, all or of " +
+                                          names_of(kEffects));
+        o.render.forced_on.add(*effect);
+    }
+    return Done{};
+}
+
+Status convert_numbers(const RawOptions& raw, Options& o) {
+    if (!raw.size.empty()) {
+        const Result<Resolution> size = parse_size(raw.size);
+        if (!size) return size.error();
+        o.size = *size;
+    }
+    if (!raw.orbit.empty()) {
+        const Result<std::vector<double>> n = parse_numbers(raw.orbit, "--orbit", 7);
+        if (!n) return n.error();
+        const std::vector<double>& v = *n;
+        if (!(v[5] > 0)) return usage("--orbit", "the radius must be above 0");
+        if (!(v[6] > 0 && v[6] < 180))
+            return usage("--orbit", "the field of view must lie between 0 and 180 degrees");
+        o.orbit = Orbit{Vec3d(v[0], v[1], v[2]), v[3], v[4], v[5], v[6]};
+    }
+    if (!raw.pixel.empty()) {
+        const Result<std::vector<double>> n = parse_numbers(raw.pixel, "--pixel", 2);
+        if (!n) return n.error();
+        if ((*n)[0] < 0 || (*n)[1] < 0) return usage("--pixel", "must not be negative");
+        o.pixel = PixelAddress{static_cast<uint32_t>((*n)[0]), static_cast<uint32_t>((*n)[1])};
+    }
+    const auto positive = [](const std::optional<double>& value) {
+        return !value || (std::isfinite(*value) && *value > 0);
+    };
+    if (!positive(o.time_seconds)) return usage("--time", "must be above 0 seconds");
+    if (!positive(o.target_error_percent))
+        return usage("--target-error", "must be above 0 per cent");
+    if (o.frames && *o.frames == 0) return usage("--frames", "must be at least 1");
+    if (!std::isfinite(raw.exposure) || std::abs(raw.exposure) > 64)
+        return usage("--exposure", "must lie between -64 and 64 EV");
+    if (!std::isfinite(o.environment_rotation))
+        return usage("--environment-rotation", "must be a finite angle");
+    if (o.threads > 1024) return usage("--threads", "must be at most 1024");
+    if (o.render.tile_size == 0 || o.render.tile_size > kMaxSide)
+        return usage("--tile-size", "must lie between 1 and 65535");
+    o.display.exposure_ev = static_cast<float>(raw.exposure);
+    return Done{};
+}
+
+Status convert(const RawOptions& raw, Options& o) {
+    if (Status s = convert_numbers(raw, o); !s) return s;
+    if (Status s = set_from_table(raw.tone_map, "--tone-map", kToneMaps, &ToneMapInfo::tone_map,
+                                  o.display.tone_map);
+        !s)
+        return s;
+    if (Status s = set_from_table(raw.sampler, "--sampler", kSamplers, &SamplerInfo::kind,
+                                  o.render.sampler);
+        !s)
+        return s;
+    if (Status s =
+            set_from_table(raw.filter, "--filter", kFilters, &FilterInfo::kind, o.render.filter);
+        !s)
+        return s;
+    if (Status s = convert_effects(raw.effects, o); !s) return s;
+    if (raw.background != "environment" && raw.background != "transparent") {
+        return usage("--background",
+                     "'" + raw.background + "' is not known; use environment or transparent");
+    }
+    o.render.transparent_background = raw.background == "transparent";
+    o.render.russian_roulette = !raw.no_roulette;
+    o.render.next_event_estimation = !raw.no_nee;
+    const std::vector<std::pair<std::string, LogLevel>> levels{{"error", LogLevel::error},
+                                                               {"warning", LogLevel::warning},
+                                                               {"info", LogLevel::info},
+                                                               {"debug", LogLevel::debug}};
+    bool known = false;
+    for (const auto& [name, level] : levels) {
+        if (name == raw.log) {
+            o.log_level = level;
+            known = true;
+        }
+    }
+    if (!known)
+        return usage("--log", "'" + raw.log + "' is not known; use error, warning, info or debug");
+    if (raw.quiet) o.log_level = LogLevel::error;
+    return Done{};
+}
+
+}  // namespace
+
+Result<std::optional<Options>> parse_options(int argc, char** argv) {
+    Options options;
+    RawOptions raw;
+    CLI::App app("Talbot: an interactive progressive path tracer for glTF scenes", "talbot");
+    int skip = 0;
+    if (argc > 1 && std::string(argv[1]) == "info") {
+        options.command = Command::info;
+        skip = 1;
+    }
+    declare(app, options, raw);
+    try {
+        app.parse(argc - skip, argv + skip);
+    } catch (const CLI::Success& success) {
+        app.exit(success);
+        return std::optional<Options>();
+    } catch (const CLI::ParseError& error) {
+        std::string what = error.what();
+        for (char& c : what) c = c == '\n' ? ' ' : c;
+        return usage("command line", what + "; see talbot --help");
+    }
+    if (Status status = convert(raw, options); !status) return status.error();
+    return std::optional<Options>(std::move(options));
+}
+
+}  // namespace talbot

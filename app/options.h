@@ -1,0 +1,65 @@
+// The command line as plain data. Words for enumerations come from the tables beside the
+// enumerations.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/log.h"
+#include "core/base/result.h"
+#include "core/film/tone_map.h"
+#include "core/scene/camera.h"
+#include "core/session/settings.h"
+
+namespace talbot {
+
+enum class Command { render, info };
+
+struct PixelAddress {
+    uint32_t x = 0;
+    uint32_t y = 0;
+};
+
+struct Options {
+    Command command = Command::render;
+    std::string scene_file;  // empty: the built-in scene
+
+    // Headless as soon as one of these is given.
+    std::optional<uint64_t> frames;
+    std::optional<double> time_seconds;
+    std::optional<double> target_error_percent;
+    std::vector<std::string> outputs;
+    std::string screenshot;
+    std::string interact;
+
+    std::string report;
+    std::string film;
+    std::optional<Resolution> size;
+    unsigned threads = 0;
+    std::string camera;
+    std::optional<Orbit> orbit;
+    std::string scene_name;
+    std::string variant;
+    std::optional<double> animation_time;
+    std::string environment;
+    float environment_rotation = 0;
+    RenderSettings render;
+    DisplaySettings display;
+    bool all_effects = false;
+    std::optional<PixelAddress> pixel;
+    uint64_t sample = 0;
+    bool strict = false;
+    bool json = false;  // info as JSON
+    LogLevel log_level = LogLevel::info;
+
+    bool headless() const {
+        return frames || time_seconds || target_error_percent || !outputs.empty() ||
+               !report.empty() || !film.empty();
+    }
+};
+
+// Empty when help or the version was printed.
+Result<std::optional<Options>> parse_options(int argc, char** argv);
+
+}  // namespace talbot

@@ -1,0 +1,154 @@
+#include "app/run_record.h"
+
+#include <sys/resource.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/geometry/accel.h"
+
+namespace talbot {
+namespace {
+
+using nlohmann::ordered_json;
+
+std::string cpu_name() {
+    std::ifstream info("/proc/cpuinfo");
+    for (std::string line; std::getline(info, line);) {
+        if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
+    }
+    return "unknown";
+}
+
+double cpu_seconds(const rusage& usage) {
+    const auto seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+ordered_json vector_json(const Vec3d& v) {
+    return {v.x, v.y, v.z};
+}
+
+ordered_json camera_json(const Camera& camera) {
+    return {{"name", camera.name},
+            {"kind", camera.kind == CameraKind::perspective ? "perspective" : "orthographic"},
+            {"position", vector_json(camera.position)},
+            {"right", vector_json(camera.right)},
+            {"up", vector_json(camera.up)},
+            {"backward", vector_json(camera.backward)},
+            {"yfov", camera.yfov},
+            {"aperture_radius", camera.aperture_radius},
+            {"focus_distance", camera.focus_distance}};
+}
+
+ordered_json effects_json(const Snapshot& s) {
+    ordered_json active = ordered_json::array();
+    ordered_json inactive = ordered_json::array();
+    ordered_json witness = ordered_json::object();
+    for (const EffectInfo& info : kEffects) {
+        if (s.effects.active.has(info.effect)) {
+            active.push_back(info.name);
+            witness[std::string(info.name)] =
+                s.effects.witness[static_cast<std::size_t>(info.effect)];
+        } else {
+            inactive.push_back(info.name);
+        }
+    }
+    return {{"active", active}, {"inactive", inactive}, {"witness", witness}, {"kernel", s.kernel}};
+}
+
+ordered_json environment_json(const Environment& e) {
+    ordered_json json{{"color", {e.color.x, e.color.y, e.color.z}},
+                      {"rotation_degrees", e.rotation_degrees},
+                      {"intensity", e.intensity}};
+    if (e.image) {
+        json["file"] = e.image->file;
+        json["sha256"] = e.image->sha256;
+    }
+    return json;
+}
+
+ordered_json nonfinite_json(const NonFiniteCount& n) {
+    ordered_json json{
+        {"nan", n.nan}, {"inf", n.inf}, {"negative", n.negative}, {"overflow", n.overflow}};
+    if (n.has_first)
+        json["first"] = {{"pixel", {n.first_x, n.first_y}}, {"sample", n.first_sample}};
+    return json;
+}
+
+template <typename Table, typename Enum, typename Member>
+std::string name_in(const Table& table, Enum value, Member member) {
+    for (const auto& row : table) {
+        if (row.*member == value) return std::string(row.name);
+    }
+    return "unknown";
+}
+
+}  // namespace
+
+std::string run_record_json(const RunRecord& record) {
+    const Snapshot& s = *record.snapshot;
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    ordered_json j;
+    j["schema"] = "talbot-run/1";
+    j["version"] = TALBOT_VERSION;
+    j["scene"] = {{"file", s.scene->file()}, {"sha256", s.scene->sha256()}};
+    j["environment"] = environment_json(s.scene->environment());
+    j["size"] = {s.full_width, s.full_height};
+    j["camera"] = camera_json(s.camera);
+    j["seed"] = s.settings.seed;
+    j["first_sample"] = s.settings.first_sample;
+    j["max_depth"] = s.settings.max_depth;
+    j["sampler"] = name_in(kSamplers, s.settings.sampler, &SamplerInfo::kind);
+    j["filter"] = name_in(kFilters, s.settings.filter, &FilterInfo::kind);
+    j["threads"] = record.threads;
+    j["passes"] = s.passes;
+    j["samples"] = s.samples;
+    j["rays"] = s.rays;
+    j["interrupted"] = record.interrupted;
+    j["seconds"] = {{"load", record.seconds.load},
+                    {"build", record.seconds.build},
+                    {"render", record.seconds.render},
+                    {"write", record.seconds.write},
+                    {"total", record.seconds.total}};
+    j["cpu_seconds"] = cpu_seconds(usage);
+    j["peak_memory_bytes"] = static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+    j["samples_per_second"] = s.samples_per_second;
+    if (s.error.valid) {
+        j["error"] = {{"relrmse_percent", s.error.relrmse_percent},
+                      {"lo95", s.error.lo95},
+                      {"hi95", s.error.hi95},
+                      {"exponent", s.error.exponent},
+                      {"trust", trust_name(s.error.trust)},
+                      {"why", s.error.why}};
+    } else {
+        j["error"] = nullptr;
+    }
+    j["prediction"] = nullptr;
+    if (record.target_error_percent) {
+        const ErrorEstimate::Prediction p = s.error.seconds_to(*record.target_error_percent);
+        if (p.valid) {
+            j["prediction"] = {{"target_percent", *record.target_error_percent},
+                               {"seconds", p.seconds},
+                               {"lo95", p.lo95},
+                               {"hi95", p.hi95}};
+        }
+    }
+    j["bias"] = ordered_json::array();
+    j["nonfinite"] = nonfinite_json(s.nonfinite);
+    j["effects"] = effects_json(s);
+    j["film_hash"] = record.film_hash;
+    const AccelStats& accel = s.scene->accel().stats();
+    j["accel"] = {{"triangles", accel.triangles}, {"instances", accel.instances},
+                  {"spheres", accel.spheres},     {"nodes", accel.nodes},
+                  {"bytes", accel.bytes},         {"dropped_triangles", accel.dropped_triangles}};
+    j["warnings"] = s.scene->warnings();
+    j["machine"] = {
+        {"cpu", cpu_name()}, {"compiler", "g++ " __VERSION__}, {"flags", TALBOT_BUILD_FLAGS}};
+    return j.dump(2) + "\n";
+}
+
+}  // namespace talbot

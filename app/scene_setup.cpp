@@ -1,0 +1,113 @@
+#include "app/scene_setup.h"
+
+#include <chrono>
+#include <cstdlib>
+
+#include "core/base/log.h"
+#include "core/io/gltf_loader.h"
+#include "core/io/image_io.h"
+#include "core/math/robust.h"
+#include "ui/data_path.h"
+
+namespace talbot {
+namespace {
+
+constexpr Resolution kDefaultSize{960, 540};
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+Result<Camera> choose_camera(const Options& options, const Scene& scene) {
+    if (options.orbit) return make_orbit_camera(*options.orbit);
+    const std::vector<Camera>& cameras = scene.cameras();
+    if (options.camera.empty()) {
+        if (!cameras.empty()) return cameras.front();
+        Vec3d lower(0);
+        Vec3d upper(0);
+        scene.world_bounds(lower, upper);
+        const Resolution size = options.size.value_or(kDefaultSize);
+        return frame_bounds(lower, upper, static_cast<double>(size.width) / size.height);
+    }
+    for (const Camera& camera : cameras) {
+        if (camera.name == options.camera) return camera;
+    }
+    char* end = nullptr;
+    const unsigned long index = std::strtoul(options.camera.c_str(), &end, 10);
+    if (*end == '\0' && index < cameras.size()) return cameras[index];
+    std::string known;
+    for (const Camera& camera : cameras) known += (known.empty() ? "'" : ", '") + camera.name + "'";
+    return Error{ErrorKind::usage, "", "--camera",
+                 "no camera '" + options.camera + "'; the file has " +
+                     (known.empty()
+                          ? std::string("none")
+                          : known + " (or an index below " + std::to_string(cameras.size()) + ")")};
+}
+
+}  // namespace
+
+std::filesystem::path scene_path(const Options& options) {
+    return options.scene_file.empty() ? find_data("scenes/hero.glb")
+                                      : std::filesystem::path(options.scene_file);
+}
+
+Result<Environment> parse_environment(const std::string& text, float rotation_degrees) {
+    Environment environment;
+    environment.rotation_degrees = rotation_degrees;
+    float color[3] = {0, 0, 0};
+    int used = 0;
+    if (std::sscanf(text.c_str(), "%f,%f,%f%n", &color[0], &color[1], &color[2], &used) == 3 &&
+        static_cast<std::size_t>(used) == text.size()) {
+        for (float c : color) {
+            if (!(c >= 0) || !is_finite(c)) {
+                return Error{ErrorKind::usage, "", "--environment",
+                             "the colour's components must be finite and not negative"};
+            }
+        }
+        environment.color = Rgb(color[0], color[1], color[2]);
+        return environment;
+    }
+    Result<EnvironmentImage> image = load_environment(text);
+    if (!image) return image.error();
+    if (image->repaired_texels > 0) {
+        log_warning(text + ": " + std::to_string(image->repaired_texels) +
+                    " texels were not finite or negative and are black now");
+    }
+    environment.image = std::make_shared<const EnvironmentImage>(std::move(*image));
+    return environment;
+}
+
+Result<SceneSetup> set_up_scene(const Options& options, WorkerPool& pool) {
+    SceneSetup setup;
+    const auto start = std::chrono::steady_clock::now();
+    LoadOptions load;
+    load.scene = options.scene_name;
+    load.variant = options.variant;
+    load.animation_time = options.animation_time;
+    load.threads = options.threads;
+    Result<SceneDesc> desc = load_gltf(scene_path(options), load);
+    if (!desc) return desc.error();
+    for (const std::string& warning : desc->warnings) log_warning(warning);
+    if (!options.environment.empty()) {
+        Result<Environment> environment =
+            parse_environment(options.environment, options.environment_rotation);
+        if (!environment) return environment.error();
+        desc->environment = std::move(*environment);
+    } else {
+        desc->environment.rotation_degrees = options.environment_rotation;
+    }
+    setup.load_seconds = seconds_since(start);
+    const auto build_start = std::chrono::steady_clock::now();
+    setup.scene = Scene::build(std::move(*desc), pool);
+    setup.build_seconds = seconds_since(build_start);
+    Result<Camera> camera = choose_camera(options, *setup.scene);
+    if (!camera) return camera.error();
+    setup.camera = *camera;
+    setup.settings = options.render;
+    const Resolution size = options.size.value_or(setup.camera.resolution.value_or(kDefaultSize));
+    setup.settings.width = size.width;
+    setup.settings.height = size.height;
+    return setup;
+}
+
+}  // namespace talbot

@@ -1,0 +1,32 @@
+// From options to a scene, a camera and settings: what the viewer and the headless driver share.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "app/options.h"
+#include "core/base/result.h"
+#include "core/base/worker_pool.h"
+#include "core/scene/scene.h"
+
+namespace talbot {
+
+struct SceneSetup {
+    std::shared_ptr<const Scene> scene;
+    Camera camera;
+    RenderSettings settings;
+    double load_seconds = 0;
+    double build_seconds = 0;
+};
+
+// The scene file that is meant: the argument, or the built-in default.
+std::filesystem::path scene_path(const Options& options);
+
+// Loads, builds, applies --environment, --camera, --orbit, --size. Reports warnings of the file to
+// the log.
+Result<SceneSetup> set_up_scene(const Options& options, WorkerPool& pool);
+
+// FILE.hdr, FILE.exr or R,G,B.
+Result<Environment> parse_environment(const std::string& text, float rotation_degrees);
+
+}  // namespace talbot
