@@ -1,12 +1,16 @@
-// The error of a progressive image from doubling differences: with D(2N) the mean squared difference between the images at 2N
-// and N samples, E D(2N) = mse(N) - mse(2N) for sequences with exchangeable halves, so the error follows from the differences
-// and their exponent, for scrambled sequences too. Metric: relMSE = mean (x - r)^2 / (r^2 + 0.01) over pixels and channels.
+// The error of a progressive image from doubling differences: with D(2N) the mean squared
+// difference between the images at 2N and N samples, E D(2N) = mse(N) - mse(2N) for sequences with
+// exchangeable halves, so the error follows from the differences and their exponent, for scrambled
+// sequences too. Metric: relMSE = mean (x - r)^2 / (r^2 + 0.01) over pixels and channels.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "core/accuracy/convergence_fit.h"
+#include "core/base/worker_pool.h"
 #include "core/film/film.h"
 #include "core/film/image.h"
 
@@ -15,35 +19,47 @@ namespace talbot {
 enum class Trust : uint8_t { unknown, green, amber, red };
 std::string_view trust_name(Trust trust);
 
-// One power of two.
-struct Octave {
-    uint64_t samples = 0;        // 2N
-    double seconds = 0;          // of rendering up to here
-    double difference = 0;       // relMSE-weighted D(2N)
-    double standard_error = 0;   // of difference, from blocks
-};
+// The constant 0.01 of the metric, as it applies to scene-linear values before an exposure of
+// `exposure_ev`.
+double metric_constant(double exposure_ev);
 
 struct ErrorEstimate {
-    bool valid = false;           // from 2 samples on
+    bool valid = false;  // from 2 samples on
     double relrmse_percent = 0;
     double lo95 = 0;
     double hi95 = 0;
-    double exponent = 1;          // p in relMSE ~ samples^-p
+    double exponent = 1;  // p in relMSE ~ samples^-p
     double exponent_standard_error = 0;
-    double seconds_exponent = 1;  // the same against seconds
-    double seconds = 0;           // when it was taken
+    double seconds_exponent = 1;      // the same against seconds
+    uint64_t samples = 0;             // a pixel, when it was taken
+    double seconds = 0;               // of rendering, when it was taken
+    double seconds_per_sample = 0;    // of all pixels, lately
+    double worst_blocks_percent = 0;  // relRMSE that 1 % of the 8x8 blocks exceed
+    double top_share = 0;             // of the error, in the 0.1 % of pixels with the largest
+    double tail_index = 0;            // Pareto index of the largest blocks
+    double energy_drift = 0;  // of the image's mean over the last doubling, in standard deviations
     Trust trust = Trust::unknown;
-    std::string why;              // one sentence for the trust
+    std::string why;  // one sentence for the trust
     std::vector<Octave> octaves;
+    ConvergenceFit fit;  // of the octaves
 
-    // Further seconds of rendering to a target error, with a 95 % band; 0 when it is already met.
     struct Prediction {
         bool valid = false;
         double seconds = 0;
         double lo95 = 0;
         double hi95 = 0;
     };
+    // Further seconds of rendering to a target error, with a 95 % band; 0 when it is already met.
     Prediction seconds_to(double target_percent) const;
+
+    // The error in per cent after further seconds of rendering, with a 95 % band.
+    struct FutureError {
+        bool valid = false;
+        double relrmse_percent = 0;
+        double lo95 = 0;
+        double hi95 = 0;
+    };
+    FutureError error_after(double further_seconds) const;
 };
 
 // Follows a film through its powers of two.
@@ -52,9 +68,12 @@ class ErrorTracker {
     // Forgets everything; exposure in EV scales the metric's constant.
     void reset(float exposure_ev);
 
-    // To be called after every whole pass. Costs a film scan at powers of two, nothing otherwise.
-    void observe(const Film& film, uint64_t passes, double render_seconds);
+    // To be called after every whole pass. Costs a film scan at powers of two, nothing otherwise. A
+    // pool shortens the scan and changes no figure.
+    void observe(const Film& film, uint64_t passes, double render_seconds,
+                 WorkerPool* pool = nullptr);
 
+    // As of the last octave.
     const ErrorEstimate& estimate() const { return estimate_; }
 
     // Extrapolated to the current number of samples and seconds.
@@ -63,18 +82,24 @@ class ErrorTracker {
     // Per 8x8 block: estimated relRMSE in per cent, row by row; empty before the first octave.
     const std::vector<float>& block_errors() const { return block_errors_; }
 
-  private:
-    void fit();
+    // What a checkpoint keeps, so that a resumed run goes on as if it had never stopped.
+    struct State {
+        float exposure_ev = 0;
+        uint64_t half_samples = 0;
+        double half_seconds = 0;
+        std::vector<Rgb> half;
+        std::vector<float> block_errors;
+        ErrorEstimate estimate;
+    };
+    State state() const;
+    void restore(State state);
 
-    float exposure_scale_ = 1;
-    uint32_t width_ = 0;
-    uint32_t height_ = 0;
+  private:
+    float exposure_ev_ = 0;
     uint64_t half_samples_ = 0;
-    std::vector<Rgb> half_;
+    double half_seconds_ = 0;
+    std::vector<Rgb> half_;  // the image at half_samples_
     std::vector<float> block_errors_;
-    std::vector<double> block_differences_;
-    double energy_ = 0;
-    double half_energy_ = 0;
     ErrorEstimate estimate_;
 };
 

@@ -1,0 +1,219 @@
+// From the differences at powers of two to an error with its interval, its trust light and what it
+// will be.
+#include "core/accuracy/error_estimate.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "core/accuracy/octave_statistics.h"
+#include "core/base/check.h"
+
+namespace talbot {
+
+namespace {
+
+constexpr double kMetricConstant = 0.01;
+constexpr double kNormal95 = 1.96;
+
+// The trust light. A Gaussian image has 1.3 % of its squared differences in the largest 0.1 % of
+// its pixels.
+constexpr uint64_t kTrustSamples = 8;
+constexpr double kAmberTopShare = 0.1;
+constexpr double kRedTopShare = 0.5;
+constexpr double kRedTailIndex = 0.7;
+constexpr double kRedEnergyDrift = 5;
+
+constexpr double kRateSd =
+    0.03;  // of the logarithm of seconds per sample: other programs on the machine
+
+double percent(double relmse) {
+    return 100 * std::sqrt(std::max(relmse, 0.0));
+}
+
+void judge(ErrorEstimate& e) {
+    const bool heavy = e.tail_index > kRedTailIndex && e.top_share > kAmberTopShare;
+    if (e.octaves.back().difference <= 0) {
+        e.trust = Trust::amber;
+        e.why = "no difference has been seen yet";
+    } else if (std::abs(e.energy_drift) > kRedEnergyDrift) {
+        e.trust = Trust::red;
+        e.why = "the image's brightness still moves more than its noise explains";
+    } else if (heavy || e.top_share > kRedTopShare) {
+        e.trust = Trust::red;
+        e.why = "unreliable: rare bright paths make most of the error";
+    } else if (e.top_share > kAmberTopShare) {
+        e.trust = Trust::amber;
+        e.why = "a few bright pixels make a large part of the error";
+    } else if (e.samples < kTrustSamples) {
+        e.trust = Trust::amber;
+        e.why = "too few samples to judge";
+    } else {
+        e.trust = Trust::green;
+        e.why = "the error is spread over the image and falls steadily";
+    }
+}
+
+void set_interval(ErrorEstimate& e, double relmse, double log_sd) {
+    e.relrmse_percent = percent(relmse);
+    const double factor = std::exp(0.5 * kNormal95 * log_sd);
+    e.lo95 = e.relrmse_percent / factor;
+    e.hi95 = e.relrmse_percent * factor;
+}
+
+// d ln samples / d ln seconds, from the time that a sample costs now.
+double samples_growth(const ErrorEstimate& e) {
+    const double all = static_cast<double>(e.samples) * e.seconds_per_sample;
+    return all > 0 && e.seconds > 0 ? e.seconds / all : 1;
+}
+
+}  // namespace
+
+std::string_view trust_name(Trust trust) {
+    switch (trust) {
+        case Trust::unknown:
+            return "unknown";
+        case Trust::green:
+            return "green";
+        case Trust::amber:
+            return "amber";
+        case Trust::red:
+            return "red";
+    }
+    return "unknown";
+}
+
+double metric_constant(double exposure_ev) {
+    return kMetricConstant * std::exp2(-2 * exposure_ev);
+}
+
+ErrorEstimate::FutureError ErrorEstimate::error_after(double further_seconds) const {
+    FutureError future;
+    if (!valid || trust == Trust::red || !(seconds_per_sample > 0)) return future;
+    const double n =
+        static_cast<double>(samples) + std::max(further_seconds, 0.0) / seconds_per_sample;
+    ErrorEstimate then;
+    set_interval(then, fit.smooth(n), fit.log_sd(n));
+    future.valid = true;
+    future.relrmse_percent = then.relrmse_percent;
+    future.lo95 = then.lo95;
+    future.hi95 = then.hi95;
+    return future;
+}
+
+ErrorEstimate::Prediction ErrorEstimate::seconds_to(double target_percent) const {
+    Prediction prediction;
+    if (!valid || trust == Trust::red || !(target_percent > 0)) return prediction;
+    if (relrmse_percent <= target_percent) {
+        prediction.valid = true;
+        return prediction;
+    }
+    if (!(seconds_per_sample > 0)) return prediction;
+    const double goal = 1e-4 * target_percent * target_percent;
+    // The law falls for ever, so the logarithm of the number of samples can be bisected.
+    constexpr double kMostDoublings = 60;
+    const double now = static_cast<double>(samples);
+    double low = 0, high = kMostDoublings;
+    if (fit.smooth(now * std::exp2(high)) > goal) return prediction;
+    for (int i = 0; i < 60; ++i) {
+        const double middle = 0.5 * (low + high);
+        (fit.smooth(now * std::exp2(middle)) > goal ? low : high) = middle;
+    }
+    const double n = std::max(now * std::exp2(high), now + 1);
+    const double factor =
+        std::exp(kNormal95 * std::hypot(fit.log_sd(n) / fit.exponent_at(n), kRateSd));
+    const auto seconds_until = [&](double sample_count) {
+        return std::max(0.0, sample_count - now) * seconds_per_sample;
+    };
+    prediction.valid = true;
+    prediction.seconds = seconds_until(n);
+    prediction.lo95 = seconds_until(n / factor);
+    prediction.hi95 = seconds_until(n * factor);
+    return prediction;
+}
+
+void ErrorTracker::reset(float exposure_ev) {
+    *this = ErrorTracker();
+    exposure_ev_ = exposure_ev;
+}
+
+void ErrorTracker::observe(const Film& film, uint64_t passes, double render_seconds,
+                           WorkerPool* pool) {
+    if (!std::has_single_bit(passes) || film.pixels().empty()) return;
+    const bool doubled = half_samples_ * 2 == passes && half_.size() == film.pixels().size();
+    if (!doubled) half_.assign(film.pixels().size(), Rgb(0));
+    const OctaveStatistics statistics =
+        compare_octave(film, half_, metric_constant(static_cast<double>(exposure_ev_)), pool);
+    const double half_seconds = half_seconds_;
+    half_samples_ = passes;
+    half_seconds_ = render_seconds;
+    if (!doubled) {
+        // The first of all, or a gap: nothing to compare with before the next power of two.
+        estimate_ = ErrorEstimate();
+        block_errors_.clear();
+        return;
+    }
+
+    ErrorEstimate& e = estimate_;
+    e.octaves.push_back({passes, render_seconds, statistics.difference, statistics.standard_error});
+    e.fit = fit_convergence(e.octaves);
+    e.valid = true;
+    e.exponent = e.fit.exponent;
+    e.exponent_standard_error = e.fit.exponent_sd;
+    e.samples = passes;
+    e.seconds = render_seconds;
+    e.seconds_per_sample =
+        std::max(0.0, render_seconds - half_seconds) / static_cast<double>(passes - passes / 2);
+    e.seconds_exponent = e.exponent * samples_growth(e);
+    e.top_share = statistics.top_share;
+    e.tail_index = statistics.tail_index;
+    e.energy_drift = statistics.energy_drift;
+    set_interval(e, e.fit.v, e.fit.log_v_sd);
+    judge(e);
+
+    const double share = statistics.difference > 0 ? e.fit.v / statistics.difference : 0;
+    block_errors_.resize(statistics.blocks.size());
+    for (std::size_t i = 0; i < block_errors_.size(); ++i) {
+        block_errors_[i] =
+            static_cast<float>(percent(share * static_cast<double>(statistics.blocks[i])));
+    }
+    std::vector<float> sorted = block_errors_;
+    const std::size_t rank = sorted.size() - 1 - sorted.size() / 100;
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(rank),
+                     sorted.end());
+    e.worst_blocks_percent = static_cast<double>(sorted[rank]);
+}
+
+ErrorEstimate ErrorTracker::at(uint64_t passes, double render_seconds) const {
+    ErrorEstimate e = estimate_;
+    if (!e.valid || passes <= e.samples) return e;
+    const double n = static_cast<double>(passes);
+    const double before = e.relrmse_percent;
+    set_interval(e, e.fit.at(passes), e.fit.log_sd(n));
+    if (before > 0) e.worst_blocks_percent *= e.relrmse_percent / before;
+    // The cost of a sample over the last octave and since.
+    const double since_half = n - static_cast<double>(e.samples) / 2;
+    const double half_seconds =
+        e.seconds - e.seconds_per_sample * static_cast<double>(e.samples) / 2;
+    e.seconds_per_sample = std::max(0.0, render_seconds - half_seconds) / since_half;
+    e.samples = passes;
+    e.seconds = render_seconds;
+    e.exponent = e.fit.exponent_at(n);
+    e.seconds_exponent = e.exponent * samples_growth(e);
+    return e;
+}
+
+ErrorTracker::State ErrorTracker::state() const {
+    return {exposure_ev_, half_samples_, half_seconds_, half_, block_errors_, estimate_};
+}
+
+void ErrorTracker::restore(State state) {
+    exposure_ev_ = state.exposure_ev;
+    half_samples_ = state.half_samples;
+    half_seconds_ = state.half_seconds;
+    half_ = std::move(state.half);
+    block_errors_ = std::move(state.block_errors);
+    estimate_ = std::move(state.estimate);
+}
+
+}  // namespace talbot

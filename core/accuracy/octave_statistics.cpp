@@ -1,0 +1,314 @@
+// One streaming pass over film and half image. The image is cut into strips of whole blocks; inside
+// a strip a ring of rows holds horizontal sums over 7 pixels, so that every 7x7 sum is seven
+// additions of rows.
+#include "core/accuracy/octave_statistics.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <functional>
+
+#include "core/base/check.h"
+
+namespace talbot {
+
+namespace {
+
+constexpr uint32_t kRadius = 3;  // of the 7x7 neighbourhood
+constexpr uint32_t kWindow = 2 * kRadius + 1;
+constexpr uint32_t kStripRows = 8 * kErrorBlock;
+constexpr double kTopShare = 0.001;  // of the pixels
+
+// Counts and sums by magnitude, eight classes to an octave: enough for the share of the largest.
+struct MagnitudeHistogram {
+    static constexpr uint32_t kShift = 20;  // keeps sign, exponent and three bits of a float
+    std::array<uint64_t, 2048> count{};
+    std::array<double, 2048> sum{};
+
+    void add(float value) {
+        const uint32_t i = std::bit_cast<uint32_t>(value) >> kShift;
+        ++count[i];
+        sum[i] += static_cast<double>(value);
+    }
+};
+
+struct StripResult {
+    double sum = 0;         // of the pixels' weighted squared differences
+    double square_sum = 0;  // of their squares
+    double luminance_change = 0;
+    double luminance_square = 0;
+    MagnitudeHistogram magnitudes;
+};
+
+// A row of the image, of its squares and of the squared differences to the half image, and their
+// sums over 7 pixels.
+struct WindowRow {
+    std::vector<float> value[3], difference_square[3];
+    std::vector<float> value_sum[3], square_sum[3], noise_sum[3];
+
+    explicit WindowRow(uint32_t width) {
+        for (int c = 0; c < 3; ++c) {
+            for (auto* row :
+                 {&value[c], &difference_square[c], &value_sum[c], &square_sum[c], &noise_sum[c]}) {
+                row->assign(width, 0);
+            }
+        }
+    }
+};
+
+// to[x] = sum of from[x - 3 .. x + 3] inside the row; `padded` is scratch of width + 6.
+void sum_neighbours(const std::vector<float>& from, std::vector<float>& padded,
+                    std::vector<float>& to) {
+    const std::size_t width = from.size();
+    std::copy(from.begin(), from.end(), padded.begin() + kRadius);
+    const float* p = padded.data();
+    for (std::size_t x = 0; x < width; ++x) {
+        to[x] = ((p[x] + p[x + 6]) + (p[x + 1] + p[x + 5])) + ((p[x + 2] + p[x + 4]) + p[x + 3]);
+    }
+}
+
+class StripPass {
+  public:
+    StripPass(const Film& film, const std::vector<Rgb>& half, std::vector<Rgb>& full,
+              double constant)
+        : film_(film),
+          half_(half),
+          full_(full),
+          constant_(static_cast<float>(constant)),
+          ring_(kWindow, WindowRow(film.width())),
+          padded_(film.width() + 2 * kRadius, 0.0f),
+          square_(film.width()) {
+        for (int c = 0; c < 3; ++c) {
+            value_[c].resize(film.width());
+            variance_[c].resize(film.width());
+            noise_[c].resize(film.width());
+        }
+        quotient_.resize(film.width());
+    }
+
+    // Rows [begin, end); block sums go to `blocks`.
+    StripResult run(uint32_t begin, uint32_t end, std::vector<float>& blocks) {
+        StripResult result;
+        const uint32_t height = film_.height();
+        const uint32_t first = begin > kRadius ? begin - kRadius : 0;
+        uint32_t loaded = first;
+        for (uint32_t y = begin; y < end; ++y) {
+            const uint32_t last = std::min(y + kRadius, height - 1);
+            for (; loaded <= last; ++loaded) load(loaded, loaded >= begin && loaded < end);
+            weigh(y, std::max(first, y > kRadius ? y - kRadius : 0), last);
+            gather(y, result, blocks);
+        }
+        return result;
+    }
+
+  private:
+    void load(uint32_t y, bool keep) {
+        WindowRow& row = ring_[y % kWindow];
+        const uint32_t width = film_.width();
+        const std::size_t start = static_cast<std::size_t>(y) * width;
+        for (uint32_t x = 0; x < width; ++x) {
+            const FilmPixel& p = film_.pixels()[start + x];
+            Rgb mean(0), difference(0);
+            if (p.samples != 0) {
+                const double n = static_cast<double>(p.samples);
+                for (int c = 0; c < 3; ++c) mean[c] = static_cast<float>(p.sum[c].value() / n);
+                difference = mean - half_[start + x];
+            }
+            if (keep) full_[start + x] = mean;
+            for (int c = 0; c < 3; ++c) {
+                row.value[c][x] = mean[c];
+                row.difference_square[c][x] = difference[c] * difference[c];
+            }
+        }
+        for (int c = 0; c < 3; ++c) {
+            for (uint32_t x = 0; x < width; ++x) square_[x] = row.value[c][x] * row.value[c][x];
+            sum_neighbours(row.value[c], padded_, row.value_sum[c]);
+            sum_neighbours(square_, padded_, row.square_sum[c]);
+            sum_neighbours(row.difference_square[c], padded_, row.noise_sum[c]);
+        }
+    }
+
+    // quotient_[x] = sum over channels of d^2 / (r^2 + constant) for row y.
+    void weigh(uint32_t y, uint32_t first, uint32_t last) {
+        const uint32_t width = film_.width();
+        std::fill(quotient_.begin(), quotient_.end(), 0.0f);
+        for (int c = 0; c < 3; ++c) {
+            std::fill(value_[c].begin(), value_[c].end(), 0.0f);
+            std::fill(variance_[c].begin(), variance_[c].end(), 0.0f);
+            std::fill(noise_[c].begin(), noise_[c].end(), 0.0f);
+            for (uint32_t i = first; i <= last; ++i) {
+                const WindowRow& row = ring_[i % kWindow];
+                for (uint32_t x = 0; x < width; ++x) {
+                    value_[c][x] += row.value_sum[c][x];
+                    variance_[c][x] += row.square_sum[c][x];
+                    noise_[c][x] += row.noise_sum[c][x];
+                }
+            }
+            const WindowRow& own = ring_[y % kWindow];
+            const float rows = static_cast<float>(last - first + 1);
+            for (uint32_t x = 0; x < width; ++x) {
+                const uint32_t columns =
+                    std::min(x, kRadius) + std::min(width - 1 - x, kRadius) + 1;
+                const float others = rows * static_cast<float>(columns) - 1;
+                const float value = own.value[c][x], d2 = own.difference_square[c][x];
+                float r = value;
+                if (others > 0) {
+                    // Moments of the neighbours alone; their spread beyond the noise is structure.
+                    const float mean = (value_[c][x] - value) / others;
+                    const float noise = std::max((noise_[c][x] - d2) / others, 0.0f);
+                    const float spread = (variance_[c][x] - value * value) / others - mean * mean;
+                    const float structure = std::max(spread - noise, 0.0f);
+                    const float sum = structure + std::max(noise, d2);
+                    r = mean + (sum > 0 ? structure / sum : 0.0f) * (value - mean);
+                }
+                quotient_[x] += d2 / (r * r + constant_);
+            }
+        }
+    }
+
+    void gather(uint32_t y, StripResult& result, std::vector<float>& blocks) {
+        const uint32_t width = film_.width();
+        const std::size_t columns = (width + kErrorBlock - 1) / kErrorBlock;
+        const std::size_t start = static_cast<std::size_t>(y) * width;
+        for (uint32_t x = 0; x < width; ++x) {
+            const float q = quotient_[x];
+            const double wide = static_cast<double>(q);
+            result.sum += wide;
+            result.square_sum += wide * wide;
+            result.magnitudes.add(q);
+            blocks[y / kErrorBlock * columns + x / kErrorBlock] += q;
+            const double change =
+                static_cast<double>(luminance(full_[start + x]) - luminance(half_[start + x]));
+            result.luminance_change += change;
+            result.luminance_square += change * change;
+        }
+    }
+
+    const Film& film_;
+    const std::vector<Rgb>& half_;
+    std::vector<Rgb>& full_;
+    float constant_;
+    std::vector<WindowRow> ring_;
+    std::vector<float> padded_, square_, quotient_;
+    std::vector<float> value_[3], variance_[3], noise_[3];
+};
+
+// Share of the total that the largest kTopShare of `pixels` hold (at least one pixel).
+double top_share(const MagnitudeHistogram& magnitudes, double total, std::size_t pixels) {
+    if (!(total > 0)) return 0;
+    double wanted = std::max(1.0, kTopShare * static_cast<double>(pixels));
+    double sum = 0;
+    for (std::size_t i = magnitudes.count.size(); i-- > 0 && wanted > 0;) {
+        const double count = static_cast<double>(magnitudes.count[i]);
+        if (count == 0) continue;
+        const double taken = std::min(count, wanted);
+        sum += magnitudes.sum[i] * taken / count;
+        wanted -= taken;
+    }
+    return sum / total;
+}
+
+}  // namespace
+
+OctaveStatistics compare_octave(const Film& film, std::vector<Rgb>& half, double metric_constant,
+                                WorkerPool* pool) {
+    OctaveStatistics statistics;
+    const uint32_t width = film.width(), height = film.height();
+    const std::size_t pixels = film.pixels().size();
+    TALBOT_CHECK(half.size() == pixels);
+    if (pixels == 0) return statistics;
+    const std::size_t columns = (width + kErrorBlock - 1) / kErrorBlock;
+    const std::size_t rows = (height + kErrorBlock - 1) / kErrorBlock;
+    const uint32_t strips = (height + kStripRows - 1) / kStripRows;
+    statistics.blocks.assign(columns * rows, 0);
+    std::vector<Rgb> full(pixels);
+    std::vector<StripResult> results(strips);
+    const auto run = [&](uint64_t strip, unsigned) {
+        const uint32_t begin = static_cast<uint32_t>(strip) * kStripRows;
+        StripPass pass(film, half, full, metric_constant);
+        results[strip] = pass.run(begin, std::min(begin + kStripRows, height), statistics.blocks);
+    };
+    if (pool != nullptr) {
+        pool->parallel_for(strips, run);
+    } else {
+        for (uint32_t strip = 0; strip < strips; ++strip) run(strip, 0);
+    }
+    StripResult total;
+    for (const StripResult& r : results) {
+        total.sum += r.sum;
+        total.square_sum += r.square_sum;
+        total.luminance_change += r.luminance_change;
+        total.luminance_square += r.luminance_square;
+        for (std::size_t i = 0; i < r.magnitudes.count.size(); ++i) {
+            total.magnitudes.count[i] += r.magnitudes.count[i];
+            total.magnitudes.sum[i] += r.magnitudes.sum[i];
+        }
+    }
+    half = std::move(full);
+
+    const double n = 3 * static_cast<double>(pixels);
+    statistics.difference = total.sum / n;
+    // var q = E q^2 - (E q)^2 of each pixel; a Gaussian difference has E q^2 = 3 (E q)^2.
+    constexpr double kVarianceOfSquare = 2.0 / 3;
+    statistics.standard_error = std::sqrt(kVarianceOfSquare * total.square_sum) / n;
+    statistics.top_share = top_share(total.magnitudes, total.sum, pixels);
+    if (total.luminance_square > 0) {
+        statistics.energy_drift = total.luminance_change / std::sqrt(total.luminance_square);
+    }
+    statistics.tail_index = pareto_tail_index(statistics.blocks);
+    for (std::size_t by = 0; by < rows; ++by) {
+        for (std::size_t bx = 0; bx < columns; ++bx) {
+            const std::size_t w = std::min<std::size_t>(kErrorBlock, width - bx * kErrorBlock);
+            const std::size_t h = std::min<std::size_t>(kErrorBlock, height - by * kErrorBlock);
+            statistics.blocks[by * columns + bx] /= static_cast<float>(3 * w * h);
+        }
+    }
+    return statistics;
+}
+
+double pareto_tail_index(std::vector<float> values) {
+    const double count = static_cast<double>(values.size());
+    const std::size_t tail = static_cast<std::size_t>(std::min(0.2 * count, 3 * std::sqrt(count)));
+    if (tail < 5) return 0;
+    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(tail),
+                     values.end(), std::greater<>());
+    const double threshold = static_cast<double>(values[tail]);
+    std::vector<double> excess;
+    for (std::size_t i = 0; i < tail; ++i) {
+        const double e = static_cast<double>(values[i]) - threshold;
+        if (e > 0) excess.push_back(e);
+    }
+    std::sort(excess.begin(), excess.end());
+    const std::size_t n = excess.size();
+    if (n < 5) return 0;
+
+    // Posterior mean of b over a grid of profile likelihoods.
+    const double quartile = excess[static_cast<std::size_t>(static_cast<double>(n) / 4 + 0.5) - 1];
+    const std::size_t grid = 30 + static_cast<std::size_t>(std::sqrt(static_cast<double>(n)));
+    const auto shape = [&](double b) {
+        double sum = 0;
+        for (double e : excess) sum += std::log1p(-b * e);
+        return sum / static_cast<double>(n);
+    };
+    std::vector<double> b(grid), likelihood(grid);
+    for (std::size_t j = 0; j < grid; ++j) {
+        const double ratio = static_cast<double>(grid) / (static_cast<double>(j) + 0.5);
+        b[j] = 1 / excess[n - 1] + (1 - std::sqrt(ratio)) / (3 * quartile);
+        const double k = shape(b[j]);
+        likelihood[j] = static_cast<double>(n) * (std::log(-b[j] / k) - k - 1);
+    }
+    double mean = 0, weights = 0;
+    const double best = *std::max_element(likelihood.begin(), likelihood.end());
+    for (std::size_t j = 0; j < grid; ++j) {
+        const double weight = std::exp(likelihood[j] - best);
+        mean += weight * b[j];
+        weights += weight;
+    }
+    const double k = shape(mean / weights);
+    constexpr double kPriorCount = 10, kPriorShape = 0.5;
+    return (static_cast<double>(n) * k + kPriorCount * kPriorShape) /
+           (static_cast<double>(n) + kPriorCount);
+}
+
+}  // namespace talbot

@@ -1,0 +1,38 @@
+// What one doubling of the samples shows: the relMSE-weighted squared difference between the images
+// at N and 2N samples, how sure it is, where it sits, and how it is spread over pixels (the ground
+// for the trust light).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/worker_pool.h"
+#include "core/film/film.h"
+
+namespace talbot {
+
+inline constexpr uint32_t kErrorBlock = 8;  // side of a block in pixels
+
+struct OctaveStatistics {
+    double difference = 0;      // mean over pixels and channels of d^2 / (r^2 + constant)
+    double standard_error = 0;  // of difference, for pixels that are independent of each other
+    double top_share = 0;       // of the difference, held by the 0.1 % of pixels with the largest
+    double tail_index =
+        0;  // Pareto index k of the largest block sums; above 0.7 their mean is not to be trusted
+    double energy_drift = 0;    // change of the image's mean luminance in standard deviations
+    std::vector<float> blocks;  // difference of every block, row by row
+};
+
+// Compares the film with `half`, its image at half the samples, and replaces half by the film's
+// image. r is estimated from the 7x7 neighbours and, as far as their spread exceeds the noise, from
+// the pixel itself (Lee 1980); the pixel's own noise never enters its own denominator unopposed.
+// Same bytes with any pool.
+OctaveStatistics compare_octave(const Film& film, std::vector<Rgb>& half, double metric_constant,
+                                WorkerPool* pool = nullptr);
+
+// Shape k of a generalised Pareto distribution fitted to the excesses of the largest values (Zhang,
+// Stephens 2009, with the weak prior of Vehtari et al. 2024, appendix C). Too few or equal values
+// give 0.
+double pareto_tail_index(std::vector<float> values);
+
+}  // namespace talbot
