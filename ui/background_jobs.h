@@ -1,0 +1,69 @@
+// Loading and saving beside the frame loop, which only ever polls. A newer load replaces an older
+// one; saves all complete.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+#include "core/film/tone_map.h"
+#include "core/session/snapshot.h"
+#include "ui/scene_loading.h"
+
+namespace talbot {
+
+// A file that was written.
+struct SavedFile {
+    std::filesystem::path file;
+};
+
+class BackgroundJobs {
+  public:
+    using Outcome =
+        std::variant<LoadedScene, std::shared_ptr<const EnvironmentImage>, SavedFile, Error>;
+
+    BackgroundJobs() = default;
+    ~BackgroundJobs();  // cancels loads, finishes saves
+    BackgroundJobs(const BackgroundJobs&) = delete;
+    BackgroundJobs& operator=(const BackgroundJobs&) = delete;
+
+    void load_scene(const std::filesystem::path& file, SceneLoader loader);
+    void load_environment(const std::filesystem::path& file);
+
+    // PNG through the display settings, EXR and the like scene-linear.
+    void save(const std::filesystem::path& file, std::shared_ptr<const ImageRgba> image,
+              const DisplaySettings& display);
+
+    // A finished job's outcome, each once; those of replaced loads are dropped.
+    std::optional<Outcome> poll();
+
+    bool busy() const { return !jobs_.empty(); }
+
+    // "loading ToyCar.gltf 40 %", or empty.
+    std::string status() const;
+
+  private:
+    struct Job {
+        bool load = false;
+        std::string title;
+        std::atomic<float> fraction{0};
+        std::atomic<bool> done{false};
+        bool replaced = false;
+        std::optional<Outcome> outcome;
+        std::jthread thread;
+    };
+    template <typename Work>
+    void start(bool load, std::string title, Work work);
+
+    std::vector<std::unique_ptr<Job>> jobs_;
+};
+
+// Writes by the name's ending: .png, .exr, .hdr or .pfm.
+Status save_image(const std::filesystem::path& file, const ImageRgba& image,
+                  const DisplaySettings& display);
+
+}  // namespace talbot

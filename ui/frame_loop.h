@@ -1,0 +1,114 @@
+// One step of the viewer: take input, draw panels, submit changes, take the latest snapshot, draw,
+// present. The window, the offscreen screenshot and replayed scripts all run this loop; they differ
+// in where input and OpenGL come from. It never waits for the session.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/session/session.h"
+#include "ui/background_jobs.h"
+#include "ui/display.h"
+#include "ui/gl_context.h"
+#include "ui/input.h"
+#include "ui/latency.h"
+#include "ui/panel_renderer.h"
+#include "ui/panels.h"
+#include "ui/shortcuts.h"
+#include "ui/viewer_model.h"
+
+struct ImGuiContext;
+
+namespace talbot {
+
+struct FrameLoopOptions {
+    SceneLoader loader;  // for files that are opened or dropped; empty takes load_scene
+    float ui_scale = 0;  // 0 = the context's content scale
+};
+
+class FrameLoop {
+  public:
+    // Shaders and fonts are loaded here; session and context must outlive the loop.
+    static Result<std::unique_ptr<FrameLoop>> make(RenderSession& session, GlContext& context,
+                                                   ViewerModel model,
+                                                   FrameLoopOptions options = {});
+    ~FrameLoop();
+    FrameLoop(const FrameLoop&) = delete;
+    FrameLoop& operator=(const FrameLoop&) = delete;
+
+    InputQueue& input() { return input_; }
+    ViewerModel& model() { return model_; }
+    Edits& edits() { return edits_; }
+
+    // Puts a scene on show with the next step.
+    void show(std::shared_ptr<const Scene> scene, const Camera& camera);
+
+    // Whether a step would draw something that the last one did not.
+    bool needs_frame() const;
+
+    void step();
+
+    // What the last step showed; null before the first image.
+    const Snapshot* snapshot() const { return snapshot_.get(); }
+    PixelRect image_rect() const { return image_rect_; }
+    uint64_t submitted_generation() const { return generation_; }
+    bool quit_requested() const { return quit_; }
+    const BackgroundJobs& jobs() const { return jobs_; }
+    LatencyRecorder& recorder() { return recorder_; }
+    // The message over the image, empty when there is none.
+    const std::string& notice() const { return notice_; }
+
+    // Starts loading a scene or an environment, or saving what is shown.
+    void open_file(const std::string& file);
+    void save_file(const std::string& file);
+
+  private:
+    FrameLoop(RenderSession& session, GlContext& context, ViewerModel model,
+              FrameLoopOptions options);
+    Status load();
+
+    void take_input(double now);
+    void draw_ui(double seconds);
+    void run_shortcuts();
+    void run_command(Command command);
+    void select_at(const Vec2f& position);
+    std::optional<Pick> pick_at(const Vec2f& position) const;
+    void finish_jobs();
+    void follow_window(double now);
+    void submit_changes(double input_time);
+    void draw_and_present();
+    void notify(std::string text, bool is_error);
+
+    RenderSession& session_;
+    GlContext& context_;
+    FrameLoopOptions options_;
+    ViewerModel model_;
+    Edits edits_;
+    InputQueue input_;
+    ImGuiContext* imgui_ = nullptr;
+    Display display_;
+    PanelRenderer panels_;
+    BackgroundJobs jobs_;
+    LatencyRecorder recorder_;
+    FileForm form_;
+    std::shared_ptr<const Snapshot> snapshot_;
+    PixelRect area_;
+    PixelRect image_rect_;
+    PixelSize wanted_size_;  // of the image, while the window is being resized
+    double wanted_since_ = 0;
+    std::string notice_;
+    bool notice_is_error_ = false;
+    double notice_until_ = 0;
+    double last_step_ = 0;
+    double gl_seconds_ = 0;
+    float scale_ = 0;
+    uint64_t generation_ = 0;
+    int settle_frames_ = 0;
+    bool quit_ = false;
+};
+
+// Monotonic seconds.
+double now_seconds();
+
+}  // namespace talbot

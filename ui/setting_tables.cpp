@@ -1,0 +1,186 @@
+// The tables of ui/parameters.h that concern the renderer, the display and the session.
+#include "ui/parameters.h"
+
+namespace talbot {
+namespace {
+
+using Kind = ParameterKind;
+
+// The labels of a table of the core, as a panel's choices.
+template <typename Table>
+std::span<const std::string_view> labels_of(const Table& table) {
+    static const std::vector<std::string_view> labels = [&] {
+        std::vector<std::string_view> all;
+        for (const auto& row : table) all.push_back(row.label);
+        return all;
+    }();
+    return labels;
+}
+
+constexpr std::string_view kChannels[] = {"Colour", "Red", "Green", "Blue", "Alpha", "Luminance"};
+
+template <auto kMember>
+ParameterValue read_setting(const RenderSettings& settings) {
+    return {static_cast<double>(settings.*kMember)};
+}
+template <auto kMember>
+void write_setting(RenderSettings& settings, const ParameterValue& value) {
+    auto& member = settings.*kMember;
+    using Member = std::remove_reference_t<decltype(member)>;
+    if constexpr (std::is_same_v<Member, bool>) {
+        member = value[0] != 0;
+    } else if constexpr (std::is_enum_v<Member>) {
+        member = static_cast<Member>(static_cast<int>(value[0]));
+    } else {
+        member = static_cast<Member>(value[0]);
+    }
+}
+template <auto kMember>
+Parameter<RenderSettings> setting(const ParameterInfo& info) {
+    return {info, read_setting<kMember>, write_setting<kMember>};
+}
+
+}  // namespace
+
+std::span<const Parameter<RenderSettings>> render_parameters() {
+    static const Parameter<RenderSettings> table[] = {
+        setting<&RenderSettings::width>({.name = "width",
+                                         .label = "Width",
+                                         .unit = "px",
+                                         .kind = Kind::integer,
+                                         .lower = 1,
+                                         .upper = 16384,
+                                         .slider_lower = 16,
+                                         .slider_upper = 4096}),
+        setting<&RenderSettings::height>({.name = "height",
+                                          .label = "Height",
+                                          .unit = "px",
+                                          .kind = Kind::integer,
+                                          .lower = 1,
+                                          .upper = 16384,
+                                          .slider_lower = 16,
+                                          .slider_upper = 4096}),
+        setting<&RenderSettings::max_depth>(
+            {.name = "max_depth",
+             .label = "Max depth",
+             .kind = Kind::integer,
+             .lower = 1,
+             .upper = 65536,
+             .slider_lower = 1,
+             .slider_upper = 1024,
+             .logarithmic = true,
+             .note = "Scattering events on a path. Biased: light beyond it is missing."}),
+        setting<&RenderSettings::sampler>({.name = "sampler",
+                                           .label = "Sampler",
+                                           .kind = Kind::choice,
+                                           .upper = kSamplers.size() - 1,
+                                           .choices = labels_of(kSamplers)}),
+        setting<&RenderSettings::filter>({.name = "filter",
+                                          .label = "Pixel filter",
+                                          .kind = Kind::choice,
+                                          .upper = kFilters.size() - 1,
+                                          .choices = labels_of(kFilters)}),
+        setting<&RenderSettings::russian_roulette>(
+            {.name = "russian_roulette",
+             .label = "Russian roulette",
+             .kind = Kind::flag,
+             .note = "Ends weak paths early, without bias."}),
+        setting<&RenderSettings::next_event_estimation>(
+            {.name = "next_event_estimation",
+             .label = "Light sampling",
+             .kind = Kind::flag,
+             .note = "Next-event estimation with multiple importance sampling."}),
+        setting<&RenderSettings::transparent_background>({.name = "transparent_background",
+                                                          .label = "Transparent background",
+                                                          .kind = Kind::flag}),
+        setting<&RenderSettings::seed>({.name = "seed",
+                                        .label = "Seed",
+                                        .kind = Kind::integer,
+                                        .upper = 4294967295.0,
+                                        .slider_upper = 1000}),
+        setting<&RenderSettings::tile_size>({.name = "tile_size",
+                                             .label = "Tile size",
+                                             .unit = "px",
+                                             .kind = Kind::integer,
+                                             .lower = 8,
+                                             .upper = 1024,
+                                             .slider_lower = 8,
+                                             .slider_upper = 256,
+                                             .note = "Changes no pixel."}),
+    };
+    return table;
+}
+
+std::span<const Parameter<ViewerModel>> display_parameters() {
+    static const Parameter<ViewerModel> table[] = {
+        {{.name = "exposure_ev",
+          .label = "Exposure",
+          .unit = "EV",
+          .lower = -64,
+          .upper = 64,
+          .slider_lower = -10,
+          .slider_upper = 10},
+         [](const ViewerModel& m) { return ParameterValue{m.display.exposure_ev}; },
+         [](ViewerModel& m, const ParameterValue& v) {
+             m.display.exposure_ev = static_cast<float>(v[0]);
+         }},
+        {{.name = "tone_map",
+          .label = "Tone map",
+          .kind = Kind::choice,
+          .upper = kToneMaps.size() - 1,
+          .choices = labels_of(kToneMaps)},
+         [](const ViewerModel& m) {
+             return ParameterValue{static_cast<double>(m.display.tone_map)};
+         },
+         [](ViewerModel& m, const ParameterValue& v) {
+             m.display.tone_map = static_cast<ToneMap>(static_cast<int>(v[0]));
+         }},
+        {{.name = "channel",
+          .label = "Channel",
+          .kind = Kind::choice,
+          .upper = 5,
+          .choices = kChannels},
+         [](const ViewerModel& m) {
+             return ParameterValue{static_cast<double>(m.display.channel)};
+         },
+         [](ViewerModel& m, const ParameterValue& v) {
+             m.display.channel = static_cast<DisplayChannel>(static_cast<int>(v[0]));
+         }},
+        {{.name = "false_color",
+          .label = "False colour",
+          .kind = Kind::flag,
+          .note = "Luminance in stops: violet is -8 EV, green 0 EV, red +7 EV."},
+         [](const ViewerModel& m) { return ParameterValue{m.look.false_color ? 1.0 : 0.0}; },
+         [](ViewerModel& m, const ParameterValue& v) { m.look.false_color = v[0] != 0; }},
+        {{.name = "fit_window",
+          .label = "Fit the window",
+          .kind = Kind::flag,
+          .note = "The image gets as many pixels as its part of the window."},
+         [](const ViewerModel& m) { return ParameterValue{m.look.fit_window ? 1.0 : 0.0}; },
+         [](ViewerModel& m, const ParameterValue& v) { m.look.fit_window = v[0] != 0; }},
+    };
+    return table;
+}
+
+std::span<const Parameter<ViewerModel>> session_parameters() {
+    static const Parameter<ViewerModel> table[] = {
+        {{.name = "paused", .label = "Paused", .kind = Kind::flag},
+         [](const ViewerModel& m) { return ParameterValue{m.paused ? 1.0 : 0.0}; },
+         [](ViewerModel& m, const ParameterValue& v) { m.paused = v[0] != 0; }},
+        {{.name = "pass_limit",
+          .label = "Sample limit",
+          .unit = "spp",
+          .kind = Kind::integer,
+          .upper = 4294967295.0,
+          .slider_upper = 65536,
+          .logarithmic = true,
+          .note = "Samples per pixel after which rendering rests; 0 is no limit."},
+         [](const ViewerModel& m) { return ParameterValue{static_cast<double>(m.pass_limit)}; },
+         [](ViewerModel& m, const ParameterValue& v) {
+             m.pass_limit = static_cast<uint64_t>(v[0]);
+         }},
+    };
+    return table;
+}
+
+}  // namespace talbot

@@ -1,0 +1,84 @@
+// What the window shows and edits, as values; and the way from edits to the session's changes.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/film/tone_map.h"
+#include "core/scene/scene.h"
+#include "core/session/change.h"
+#include "ui/camera_controller.h"
+
+namespace talbot {
+
+// How the image is looked at beyond DisplaySettings.
+struct ViewSettings {
+    bool false_color = false;
+    bool fit_window = true;  // the image has as many pixels as its part of the window
+    bool show_panels = true;
+    bool show_help = false;
+    double target_error_percent = 1;  // for the prediction
+};
+
+struct ViewerModel {
+    std::shared_ptr<const Scene> scene;  // as loaded; null before the first
+    std::vector<Material> materials;     // with all edits, like everything below
+    std::vector<PunctualLight> lights;
+    Environment environment;
+    CameraController view;
+    RenderSettings settings;
+    DisplaySettings display;
+    ViewSettings look;
+    bool paused = false;
+    uint64_t pass_limit = 0;
+    std::optional<uint32_t> selected_object;
+    uint32_t material = 0;  // the one whose panel is open
+    int camera = -1;        // of the file's list; -1 = moved by hand or none
+
+    // The name that the panels show for a material, never empty.
+    std::string material_name(uint32_t index) const;
+
+    // Width over height of the image.
+    double aspect() const;
+};
+
+// What was edited since the last time changes were made of it.
+struct Edits {
+    bool scene = false;
+    bool camera = false;
+    bool environment = false;
+    bool settings = false;
+    bool paused = false;
+    bool pass_limit = false;
+    bool selection = false;
+    bool restart = false;
+    std::set<uint32_t> materials;
+    std::set<uint32_t> lights;
+
+    bool any() const;
+};
+
+// Puts a scene on show: its tables become the model's, the camera its view.
+void show_scene(ViewerModel& model, std::shared_ptr<const Scene> scene, const Camera& camera,
+                Edits& edits);
+
+// Selects an object (or nothing) and opens its material.
+void select_object(ViewerModel& model, std::optional<uint32_t> object,
+                   std::optional<uint32_t> material, Edits& edits);
+
+// Moves the view so that everything, or the selected object (else everything), fills the image;
+// false without a scene.
+bool frame_all(ViewerModel& model);
+bool frame_selected(ViewerModel& model);
+
+// Takes the file's camera of this index; false when there is none.
+bool use_file_camera(ViewerModel& model, int index);
+
+// The changes to submit, in order; the edits are empty afterwards.
+std::vector<Change> take_changes(const ViewerModel& model, Edits& edits);
+
+}  // namespace talbot
