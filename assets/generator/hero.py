@@ -8,6 +8,7 @@ from math import cos, pi, sin
 from . import still_life_textures as paint
 from . import vessels
 from .geometry import Mesh, box, length, quad, sub
+from .napkin import napkin
 
 LIGHT_TARGET = (0.0, 0.1, 0.0)
 WALL_Z = -0.78
@@ -46,7 +47,7 @@ def _room(document):
     document.node("table", document.mesh("table", (table, wood)))
     document.node("wall", document.mesh("wall", (
         quad((-1.6, 0.0, WALL_Z), (3.2, 0.0, 0.0), (0.0, 1.6, 0.0), (2.4, 1.2)), wall)))
-    day = document.material("daylight", (0.0, 0.0, 0.0), lambert=True, emission=(11.0, 11.8, 12.6))
+    day = document.material("daylight", (0.0, 0.0, 0.0), lambert=True, emission=(17.0, 16.6, 16.0))
     panes, bars = Mesh(), Mesh()
     for column in range(2):
         for row in range(2):
@@ -116,16 +117,22 @@ def _fruit(document):
               ((x + 0.002, 0.027, z - 0.045), (2.5, 0.3)), ((x - 0.001, 0.075, z + 0.001), (0.8, 0.5)))
     for number, (place, (heading, lean)) in enumerate(places):
         document.node(f"orange {number}", orange_mesh, place, _multiply(_turn_y(heading), _turn_z(lean)))
-    document.node("orange on the table", orange_mesh, (0.325, 0.0035, 0.015), _multiply(_turn_y(0.4), _turn_z(0.3)))
-    document.node("lemon", lemon_mesh, (0.235, 0.0262, 0.135), _multiply(_turn_y(0.75), _turn_z(-pi / 2)))
+    document.node("orange on the table", orange_mesh, (0.330, 0.0035, -0.020), _multiply(_turn_y(0.4), _turn_z(0.3)))
+    document.node("lemon", lemon_mesh, (0.225, 0.0288, 0.150), _multiply(_turn_y(0.75), _turn_z(-pi / 2)))
+
+
+def _napkin(document):
+    linen = document.material("linen", roughness=0.9, two_sided=True, textures={
+        "base": document.texture("linen base", paint.linen(256, 61))})
+    document.node("napkin", document.mesh("napkin", (napkin(0.28, 0.21, 96, 72, 71), linen)), (0.235, 0.0, 0.150), _turn_y(0.3))
 
 
 def _lamp(document):
     brass = document.material("brass", (0.88, 0.67, 0.36), metallic=1.0, roughness=0.22)
-    globe = document.material("lamp globe", (0.0, 0.0, 0.0), lambert=True, emission=(16.0, 8.4, 3.2))
-    place = (0.42, 0.0, -0.52)
+    globe = document.material("lamp globe", (0.0, 0.0, 0.0), lambert=True, emission=(9.0, 4.7, 1.8))
+    place = (0.435, 0.0, -0.50)
     document.node("lamp stand", document.mesh("lamp stand", (vessels.lamp_stand(), brass)), place)
-    document.sphere("lamp globe", (place[0], 0.201, place[2]), 0.052, globe)
+    document.sphere("lamp globe", (place[0], 0.154, place[2]), 0.05, globe)
 
 
 def build(document):
@@ -134,9 +141,10 @@ def build(document):
     _glass(document)
     _ceramics(document)
     _fruit(document)
+    _napkin(document)
     _lamp(document)
-    document.environment(color=(0.10, 0.115, 0.14))
-    eye, target = (0.02, 0.30, 1.08), (0.02, 0.082, -0.05)
-    document.camera("still life", eye, target, 25 * pi / 180, (960, 540), lens=(0.0055, 1.06))
+    document.environment(gradient=((-0.48, 0.64, 0.6), (0.045, 0.032, 0.024), (0.32, 0.35, 0.40)))
+    eye, target = (0.03, 0.27, 1.05), (0.03, 0.092, -0.05)
+    document.camera("still life", eye, target, 23.5 * pi / 180, (960, 540), lens=(0.0055, 1.02))
     eye, target = (-0.42, 0.11, 0.52), (-0.10, 0.045, 0.08)
     document.camera("chess pieces", eye, target, 30 * pi / 180, (960, 540), lens=(0.006, length(sub(eye, target)) - 0.02))

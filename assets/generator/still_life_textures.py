@@ -15,10 +15,10 @@ def planks(size, count, seed):
     random = Random(seed)
     warp = Fbm(seed, 2, 8, size, size, 3)
     fibre = Fbm(seed + 1, 12, 180, size, size, 2, 0.7)
-    pores = Noise(seed + 2, 48, 330, size, size)
+    pores = Noise(seed + 2, 64, 400, size, size)
     clouds = Fbm(seed + 3, 3, 5, size, size, 4)
-    boards = [{"heart": random.uniform(-0.4, 1.4), "turn": random.random() * 2 * pi, "depth": random.uniform(0.15, 0.5),
-               "tone": random.uniform(-0.13, 0.13), "rings": random.uniform(9, 15)} for _ in range(count)]
+    boards = [{"heart": random.uniform(-0.4, 1.4), "turn": random.random() * 2 * pi, "depth": random.uniform(0.25, 0.9),
+               "tone": random.uniform(-0.13, 0.13), "rings": random.uniform(13, 22)} for _ in range(count)]
     waves = [2 * pi * x / size for x in range(size)]
     colour, rough, height = [], [], []
     for y in range(size):
@@ -29,13 +29,13 @@ def planks(size, count, seed):
         base = across - board["heart"]
         line = ([], [], [])
         for angle, w, f, p, c in zip(waves, warp.row(y), fibre.row(y), pores.row(y), clouds.row(y)):
-            reach = board["depth"] * (1.0 + 0.8 * sin(angle + board["turn"])) + 0.05
+            reach = board["depth"] * (1.0 + 0.6 * sin(angle + board["turn"]))
             d = base + 0.16 * w
             phase = (sqrt(d * d + reach * reach) + 0.012 * f) * board["rings"]
             t = phase - int(phase)
             late = smoothstep(0.25, 0.92, t) * (1.0 - smoothstep(0.93, 1.0, t))
             pore = smoothstep(0.22, 0.45, p) * (0.35 + 0.65 * late)
-            tone = 0.60 + board["tone"] + 0.22 * c - 0.27 * late + 0.16 * f - 0.26 * pore
+            tone = 0.62 + board["tone"] + 0.26 * c - 0.24 * late + 0.16 * f - 0.26 * pore
             line[0].append(tone * (0.25 + 0.75 * gap))
             line[1].append(0.30 + 0.10 * c - 0.05 * late + 0.22 * pore + 0.3 * (1 - gap))
             line[2].append(1.5 * gap - 0.30 * pore + 0.10 * f - 0.10 * late)
@@ -100,3 +100,14 @@ def glaze(width, height, seed):
     stops = ((0.0, (0.006, 0.012, 0.018)), (0.35, (0.012, 0.055, 0.085)), (0.75, (0.05, 0.20, 0.26)), (0.8, (0.10, 0.12, 0.09)),
              (1.0, (0.20, 0.085, 0.035)))
     return ramp_png(colour, stops), roughness_png(rough)
+
+
+def linen(size, seed):
+    """Woven cloth with a blue border of stripes near both ends of u: base colour."""
+    warp, weft = Noise(seed, size // 3, 6, size, size), Noise(seed + 1, 6, size // 3, size, size)
+    stripes = ((0.085, 0.135), (0.15, 0.16), (0.175, 0.185))
+    blue = [any(low <= min(u, 1 - u) <= high for low, high in stripes) for u in ((x + 0.5) / size for x in range(size))]
+    field = [[(0.22 if dark else 0.86) + 0.16 * (a + b) for dark, a, b in zip(blue, warp.row(y), weft.row(y))]
+             for y in range(size)]
+    return ramp_png(field, ((0.0, (0.035, 0.06, 0.12)), (0.4, (0.09, 0.15, 0.27)), (0.6, (0.52, 0.50, 0.45)),
+                            (1.0, (0.80, 0.77, 0.70))), 64)

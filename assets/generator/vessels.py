@@ -4,6 +4,7 @@ from math import atan2, cos, hypot, pi, sin
 
 from .geometry import Mesh
 from .lathe import arc, fillet, lathe, spline, tube
+from .textures import smoothstep
 
 SEGMENTS = 96
 
@@ -39,15 +40,21 @@ def goblet():
                  + spline(inner, 7, end=(-1, 0)), SEGMENTS, closed=True)
 
 
+def _gadroons(y):
+    """Depth of the vase's lobes at a height: none at the stem, most at the belly, fading out at the shoulder."""
+    return 0.022 * smoothstep(0.033, 0.055, y) * (1.0 - smoothstep(0.108, 0.140, y))
+
+
 def vase():
-    """A baluster vase of 0.24 m, for polished metal."""
+    """A baluster vase of 0.24 m with a gadrooned belly, for polished metal."""
     foot = fillet([(0.0, 0.004, 0.0), (0.03, 0.004, 0.002), (0.033, 0.0, 0.0015), (0.039, 0.0, 0.0015), (0.039, 0.006, 0.002),
                    (0.0345, 0.009, 0.002), (0.0335, 0.0125, 0.001), (0.021, 0.02, 0.008), (0.0195, 0.03, 0.0)])
     body = [(0.0195, 0.03), (0.0225, 0.037), (0.047, 0.075), (0.0605, 0.118), (0.0525, 0.160), (0.0275, 0.188), (0.0215, 0.208),
             (0.0275, 0.228), (0.0375, 0.2395)]
     inner = [(0.0355, 0.2405), (0.0255, 0.2285), (0.0195, 0.208), (0.026, 0.187), (0.050, 0.159), (0.057, 0.118), (0.044, 0.077),
              (0.0, 0.042)]
-    return lathe(foot + spline(body, 8, start=(0, 1)) + _lip(body[-1], inner[0]) + spline(inner, 3, end=(-1, 0)), SEGMENTS + 16)
+    outside = lathe(foot + spline(body, 8, start=(0, 1)), 224, lobes=(22, _gadroons))
+    return outside.append(lathe(_lip(body[-1], inner[0]) + spline(inner, 3, end=(-1, 0)), SEGMENTS))
 
 
 def bowl():
@@ -139,7 +146,7 @@ def teapot():
 
 
 def lamp_stand():
-    """A brass foot with a slim stem that carries a globe at 0.2 m."""
+    """A brass foot with a slim stem that carries a globe at 0.106 m."""
     return lathe(fillet([(0.0, 0.0, 0.0), (0.055, 0.0, 0.002), (0.055, 0.006, 0.003), (0.040, 0.010, 0.004), (0.012, 0.014, 0.012),
-                         (0.0055, 0.030, 0.02), (0.0055, 0.128, 0.006), (0.012, 0.134, 0.002), (0.012, 0.139, 0.002),
-                         (0.030, 0.144, 0.003), (0.030, 0.150, 0.001), (0.0, 0.150, 0.0)]), 72)
+                         (0.0055, 0.030, 0.02), (0.0055, 0.084, 0.006), (0.012, 0.090, 0.002), (0.012, 0.095, 0.002),
+                         (0.026, 0.100, 0.003), (0.026, 0.106, 0.001), (0.0, 0.106, 0.0)]), 72)
