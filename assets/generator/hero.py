@@ -7,7 +7,7 @@ from math import cos, pi, sin
 
 from . import still_life_textures as paint
 from . import vessels
-from .geometry import Mesh, box, length, quad, sub
+from .geometry import Mesh, box, length, panel, quad, sub
 from .napkin import napkin
 
 LIGHT_TARGET = (0.0, 0.1, 0.0)
@@ -42,11 +42,11 @@ def _room(document):
     wall = document.material("plaster", roughness=0.85, normal_scale=0.8, textures={
         "base": document.texture("plaster base", base), "normal": document.texture("plaster normal", normal)})
     frame = document.material("window frame", (0.62, 0.60, 0.55), roughness=0.5)
-    table = quad((-1.2, 0.0, 0.75), (2.4, 0.0, 0.0), (0.0, 0.0, WALL_Z - 0.75), (2.2, 1.4), (0.37, 0.0))
-    table.append(quad((-1.2, -0.04, 0.75), (2.4, 0.0, 0.0), (0.0, 0.04, 0.0), (2.2, 0.04), (0.37, 0.41)))
+    table = quad((-1.2, 0.0, 0.75), (3.0, 0.0, 0.0), (0.0, 0.0, WALL_Z - 0.75), (2.75, 1.4), (0.37, 0.0))
+    table.append(quad((-1.2, -0.04, 0.75), (3.0, 0.0, 0.0), (0.0, 0.04, 0.0), (2.75, 0.04), (0.37, 0.41)))
     document.node("table", document.mesh("table", (table, wood)))
     document.node("wall", document.mesh("wall", (
-        quad((-1.6, 0.0, WALL_Z), (3.2, 0.0, 0.0), (0.0, 1.6, 0.0), (2.4, 1.2)), wall)))
+        quad((-1.8, 0.0, WALL_Z), (4.4, 0.0, 0.0), (0.0, 2.0, 0.0), (3.3, 1.5)), wall)))
     day = document.material("daylight", (0.0, 0.0, 0.0), lambert=True, emission=(17.0, 16.6, 16.0))
     panes, bars = Mesh(), Mesh()
     for column in range(2):
@@ -59,6 +59,8 @@ def _room(document):
         for z in (-0.21, 0.25):
             bars.append(box((0.04, 0.04, 0.42), (WINDOW_X, y, z)))
     document.node("window", document.mesh("window", (panes, day)))
+    sky = document.material("skylight", (0.0, 0.0, 0.0), lambert=True, emission=(3.0, 3.3, 3.8))
+    document.node("skylight", document.mesh("skylight", (panel((0.75, 1.45, 0.75), LIGHT_TARGET, 0.7, 0.4), sky)))
     document.node("window bars", document.mesh("window bars", (bars, frame)))
 
 
@@ -67,7 +69,7 @@ def _glass(document):
     green = document.material("green glass", roughness=0.0, ior=1.52, transmission=1.0, thickness=0.0027,
                               attenuation=((0.30, 0.66, 0.26), 0.006))
     rose = document.material("rose glass", roughness=0.0, ior=1.5, transmission=1.0, thickness=0.0013,
-                             attenuation=((0.98, 0.62, 0.58), 0.003))
+                             attenuation=((0.98, 0.62, 0.58), 0.0045))
     clear = document.material("clear glass", roughness=0.0, ior=1.5, transmission=1.0, thickness=0.08)
     cork = document.material("cork", (0.48, 0.30, 0.17), roughness=0.9)
     document.node("bottle", document.mesh("bottle", (vessels.bottle(), green)), (-0.245, 0.0027, -0.185))
@@ -143,8 +145,8 @@ def build(document):
     _fruit(document)
     _napkin(document)
     _lamp(document)
-    document.environment(gradient=((-0.48, 0.64, 0.6), (0.045, 0.032, 0.024), (0.32, 0.35, 0.40)))
-    eye, target = (0.03, 0.27, 1.05), (0.03, 0.092, -0.05)
-    document.camera("still life", eye, target, 23.5 * pi / 180, (960, 540), lens=(0.0055, 1.02))
+    document.environment(gradient=((-0.48, 0.64, 0.6), (0.035, 0.026, 0.02), (0.22, 0.24, 0.28)))
+    eye, target = (0.025, 0.27, 1.06), (0.025, 0.097, -0.05)
+    document.camera("still life", eye, target, 24 * pi / 180, (960, 540), lens=(0.0055, 1.02))
     eye, target = (-0.42, 0.11, 0.52), (-0.10, 0.045, 0.08)
     document.camera("chess pieces", eye, target, 30 * pi / 180, (960, 540), lens=(0.006, length(sub(eye, target)) - 0.02))

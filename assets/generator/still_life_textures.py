@@ -77,7 +77,7 @@ def turned_metal(width, height, seed):
     rough, relief = [], []
     for y in range(height):
         rows = list(zip(strokes.row(y), broad.row(y)))
-        rough.append([0.30 + 0.16 * s + 0.10 * b for s, b in rows])
+        rough.append([0.22 + 0.14 * s + 0.10 * b for s, b in rows])
         relief.append([0.6 * s for s, _ in rows])
     return roughness_png(rough, metallic=255), normal_png(relief, 0.55)
 

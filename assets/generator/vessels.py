@@ -53,8 +53,9 @@ def vase():
             (0.0275, 0.228), (0.0375, 0.2395)]
     inner = [(0.0355, 0.2405), (0.0255, 0.2285), (0.0195, 0.208), (0.026, 0.187), (0.050, 0.159), (0.057, 0.118), (0.044, 0.077),
              (0.0, 0.042)]
-    outside = lathe(foot + spline(body, 8, start=(0, 1)), 224, lobes=(22, _gadroons))
-    return outside.append(lathe(_lip(body[-1], inner[0]) + spline(inner, 3, end=(-1, 0)), SEGMENTS))
+    mesh = lathe(foot, SEGMENTS)
+    mesh.append(lathe(spline(body, 7, start=(0, 1)), 198, lobes=(22, _gadroons)))
+    return mesh.append(lathe(_lip(body[-1], inner[0]) + spline(inner, 3, end=(-1, 0)), SEGMENTS))
 
 
 def bowl():
@@ -63,7 +64,7 @@ def bowl():
                    (0.046, 0.0098, 0.0)])
     outer = [(0.046, 0.0098), (0.080, 0.0255), (0.104, 0.048), (0.1155, 0.0745)]
     inner = [(0.1115, 0.0755), (0.100, 0.0500), (0.077, 0.0295), (0.040, 0.0155), (0.0, 0.0125)]
-    return lathe(foot + spline(outer, 8) + _lip(outer[-1], inner[0]) + spline(inner, 7, end=(-1, 0)), SEGMENTS + 16)
+    return lathe(foot + spline(outer, 8) + _lip(outer[-1], inner[0]) + spline(inner, 7, end=(-1, 0)), SEGMENTS)
 
 
 def tray():
@@ -72,7 +73,7 @@ def tray():
                          (0.1675, 0.0150, 0.0012), (0.1585, 0.0025, 0.004), (0.0, 0.0025, 0.0)]), SEGMENTS + 32)
 
 
-def fruit(radius, columns=72, rows=40):
+def fruit(radius, columns=60, rows=32):
     """An orange: slightly flat, with a dimple at each pole."""
     profile = []
     for i in range(rows + 1):
@@ -83,7 +84,7 @@ def fruit(radius, columns=72, rows=40):
     return lathe(spline(profile, 1, start=(1, 0), end=(-1, 0)), columns, closed=True)
 
 
-def lemon(columns=64):
+def lemon(columns=56):
     """A lemon of 0.08 m along y, with a nipple at one end."""
     return lathe(spline([(0.0, 0.0), (0.005, 0.0015), (0.0115, 0.006), (0.0215, 0.017), (0.0268, 0.036), (0.0225, 0.054),
                          (0.0125, 0.0665), (0.0066, 0.0715), (0.0048, 0.0755), (0.0, 0.079)], 5, start=(1, 0), end=(-1, 0)),
@@ -137,7 +138,7 @@ def teapot():
     dome = [(0.0385, 0.1008), (0.030, 0.1095), (0.016, 0.1155), (0.0062, 0.1185), (0.0048, 0.1225)]
     knob = arc((0.0, 0.1300), 0.0088, -0.99, pi / 2, 14)
     mesh = Mesh()
-    mesh.append(lathe(foot + spline(body, 8) + lid + spline(dome, 5) + knob, SEGMENTS + 16))
+    mesh.append(lathe(foot + spline(body, 8) + lid + spline(dome, 5) + knob, SEGMENTS))
     path = _bezier((0.050, 0.036, 0.0), (0.088, 0.036, 0.0), (0.080, 0.086, 0.0), (0.112, 0.101, 0.0), 28)
     mesh.append(tube(path, [0.0165 - 0.0098 * (k / 28) ** 0.7 for k in range(29)], 40))
     path = _bezier((-0.055, 0.083, 0.0), (-0.118, 0.108, 0.0), (-0.122, 0.020, 0.0), (-0.058, 0.030, 0.0), 36)
@@ -149,4 +150,4 @@ def lamp_stand():
     """A brass foot with a slim stem that carries a globe at 0.106 m."""
     return lathe(fillet([(0.0, 0.0, 0.0), (0.055, 0.0, 0.002), (0.055, 0.006, 0.003), (0.040, 0.010, 0.004), (0.012, 0.014, 0.012),
                          (0.0055, 0.030, 0.02), (0.0055, 0.084, 0.006), (0.012, 0.090, 0.002), (0.012, 0.095, 0.002),
-                         (0.026, 0.100, 0.003), (0.026, 0.106, 0.001), (0.0, 0.106, 0.0)]), 72)
+                         (0.026, 0.100, 0.003), (0.026, 0.106, 0.001), (0.0, 0.106, 0.0)]), 56)
