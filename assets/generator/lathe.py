@@ -137,8 +137,8 @@ def lathe(profile, segments, closed=False, lobes=None):
     return mesh.compacted()
 
 
-def tube(points, radii, segments, flatten=1.0):
-    """A closed tube with pointed-in ends along a polyline; `radii` per point, `flatten` squeezes it along its first normal."""
+def tube(points, radii, segments):
+    """A closed tube with flat ends along a polyline, with one radius for each point."""
     mesh = Mesh(closed=True)
     count = len(points)
     forward = [normalized(sub(points[min(i + 1, count - 1)], points[max(i - 1, 0)])) for i in range(count)]
@@ -147,7 +147,7 @@ def tube(points, radii, segments, flatten=1.0):
     for point, axis, radius in zip(points, forward, radii):
         side = normalized(sub(side, scaled(axis, dot(side, axis))))
         other = cross(axis, side)
-        rings.append([add(point, add(scaled(side, radius * flatten * cos(2 * pi * j / segments)),
+        rings.append([add(point, add(scaled(side, radius * cos(2 * pi * j / segments)),
                                      scaled(other, radius * sin(2 * pi * j / segments)))) for j in range(segments)])
     travelled = [0.0]
     for a, b in zip(points, points[1:]):
