@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes the built-in scenes into assets/scenes/: Python 3 standard library only, the same bytes every time.
 
---verify regenerates them in a temporary folder and compares; --tessellate DIR writes spheres as meshes for other viewers.
+--verify makes them in a temporary folder and compares; --tessellate DIR writes spheres as meshes for other viewers.
 """
 
 import argparse

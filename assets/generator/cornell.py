@@ -43,7 +43,8 @@ def build(document):
         quad((WIDTH, 0, 0), (0, 0, DEPTH), (0, HEIGHT, 0)), red)))
     document.node("green wall", document.mesh("green wall", (
         quad((0, 0, DEPTH), (0, 0, -DEPTH), (0, HEIGHT, 0)), green)))
-    document.node("light", document.mesh("light", (quad((x0, HEIGHT, z0), (x1 - x0, 0, 0), (0, 0, z1 - z0)), light)))
+    lamp = quad((x0, HEIGHT, z0), (x1 - x0, 0, 0), (0, 0, z1 - z0))
+    document.node("light", document.mesh("light", (lamp, light)))
     document.node("tall block", document.mesh("tall block", (prism(_counter_clockwise(TALL), 3.3), white)))
     document.node("short block", document.mesh("short block", (prism(_counter_clockwise(SHORT), 1.65), white)))
     # 35 mm lens over a 25 mm film.

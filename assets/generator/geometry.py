@@ -35,6 +35,24 @@ def normalized(a):
     return (a[0] / size, a[1] / size, a[2] / size)
 
 
+def turn_y(angle):
+    """Quaternion (x, y, z, w) of a turn about +Y."""
+    return (0.0, sin(angle / 2), 0.0, cos(angle / 2))
+
+
+def turn_z(angle):
+    """Quaternion of a turn about +Z."""
+    return (0.0, 0.0, sin(angle / 2), cos(angle / 2))
+
+
+def after(a, b):
+    """Quaternion product: the turn b, then the turn a."""
+    ax, ay, az, aw = a
+    bx, by, bz, bw = b
+    return (aw * bx + ax * bw + ay * bz - az * by, aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw, aw * bw - ax * bx - ay * by - az * bz)
+
+
 class Mesh:
     """Vertices in parallel lists and index triples. `closed` promises a watertight outward-facing surface."""
 
@@ -65,7 +83,9 @@ class Mesh:
         """Drops the vertices that no triangle uses (the seam's end at a pole)."""
         used = sorted({i for t in self.triangles for i in t})
         moved = {old: new for new, old in enumerate(used)}
-        self.positions, self.normals, self.uvs = ([rows[i] for i in used] for rows in (self.positions, self.normals, self.uvs))
+        self.positions = [self.positions[i] for i in used]
+        self.normals = [self.normals[i] for i in used]
+        self.uvs = [self.uvs[i] for i in used]
         self.triangles = [tuple(moved[i] for i in t) for t in self.triangles]
         return self
 
@@ -142,7 +162,8 @@ def prism(footprint, height):
 def sphere(radius, columns, rows):
     """A closed latitude-longitude sphere with smooth normals, poles on the Y axis."""
     mesh = Mesh(closed=True)
-    ring = [(cos(2 * pi * (j % columns) / columns), sin(2 * pi * (j % columns) / columns)) for j in range(columns + 1)]
+    angles = [2 * pi * (j % columns) / columns for j in range(columns + 1)]
+    ring = [(cos(angle), sin(angle)) for angle in angles]
     for i in range(rows + 1):
         y, r = cos(pi * i / rows), sin(pi * i / rows) if 0 < i < rows else 0.0
         for j, (c, s) in enumerate(ring):

@@ -65,7 +65,8 @@ class Document:
                  normal_scale=1.0):
         """A metallic-roughness material; `lambert` removes the dielectric coat, `emission` is a radiance,
         `attenuation` is (colour, distance in metres), `textures` maps base, roughness, normal to textures."""
-        pbr = {"baseColorFactor": rounded([*color, 1.0], 6), "metallicFactor": metallic, "roughnessFactor": rounded(roughness, 6)}
+        pbr = {"baseColorFactor": rounded([*color, 1.0], 6), "metallicFactor": metallic,
+               "roughnessFactor": rounded(roughness, 6)}
         extensions = {}
         entry = {"name": name, "pbrMetallicRoughness": pbr}
         textures = textures or {}
@@ -159,9 +160,9 @@ class Document:
             extras["lens"] = {"apertureRadius": lens[0], "focusDistance": rounded(lens[1], 6)}
         if shift is not None:
             extras["lensShift"] = rounded(shift)
-        index = self._push("cameras", {
-            "name": name, "type": "perspective", "extras": extras,
-            "perspective": {"aspectRatio": rounded(resolution[0] / resolution[1]), "yfov": rounded(yfov), "znear": 0.01}})
+        perspective = {"aspectRatio": rounded(resolution[0] / resolution[1]), "yfov": rounded(yfov), "znear": 0.01}
+        index = self._push("cameras", {"name": name, "type": "perspective", "extras": extras,
+                                       "perspective": perspective})
         turned = {} if eye[0] == target[0] and eye[1] == target[1] and eye[2] > target[2] else {
             "rotation": look_rotation(eye, target)}
         return self.node(name, camera=index, translation=eye, **turned)
@@ -229,7 +230,8 @@ class Document:
         if component == FLOAT:
             flat = [round(v, 9) + 0.0 for v in flat]  # + 0.0 turns -0.0 into 0.0
         packed = struct.pack(f"<{len(flat)}{code}", *flat)
-        entry = {"bufferView": self._view(packed, target), "componentType": component, "count": len(rows), "type": kind}
+        entry = {"bufferView": self._view(packed, target), "componentType": component,
+                 "count": len(rows), "type": kind}
         if bounds:
             stored = struct.unpack(f"<{len(flat)}{code}", packed)
             width = len(rows[0])

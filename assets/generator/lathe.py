@@ -4,9 +4,11 @@ A profile is a list of (r, y, nr, ny): walked so that its left-to-right normal (
 is up along an outer wall, over the rim, and down along the inner one. Two entries at one place make a crease.
 """
 
-from math import acos, cos, pi, sin, sqrt, tan
+from math import acos, cos, hypot, pi, sin, sqrt, tan
 
 from .geometry import Mesh, add, cross, dot, length, normalized, scaled, sub
+
+SLOPE_STEP = 1e-5  # metres, for the slope of a lobe's depth
 
 
 def fillet(corners, steps=4):
@@ -97,20 +99,32 @@ def _normal(direction):
     return (direction[1], -direction[0])
 
 
-def lathe(profile, segments, closed=False, start=0.0):
-    """Turns a profile around the Y axis; u runs around from angle `start`, v up along the profile's length."""
+def lathe(profile, segments, closed=False, lobes=None):
+    """Turns a profile around the Y axis; u runs around, v up along the profile's length.
+
+    `lobes` = (count, depth) swells the radius by the share depth(y) times cos(count angle); depth is 0 at the axis.
+    """
     mesh = Mesh(closed=closed)
     # The last ring of vertices reuses the angles of the first, so the seam is watertight to the bit.
-    ring = [(cos(start + 2 * pi * (j % segments) / segments), sin(start + 2 * pi * (j % segments) / segments))
-            for j in range(segments + 1)]
+    angles = [2 * pi * (j % segments) / segments for j in range(segments + 1)]
+    ring = [(cos(angle), sin(angle)) for angle in angles]
+    count, depth = lobes or (0, lambda y: 0.0)
+    waves = [(cos(count * angle), sin(count * angle)) for angle in angles]
     lengths = [0.0]
     for a, b in zip(profile, profile[1:]):
-        lengths.append(lengths[-1] + sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2))
+        lengths.append(lengths[-1] + hypot(a[0] - b[0], a[1] - b[1]))
     for (r, y, nr, ny), distance in zip(profile, lengths):
-        for j, (c, s) in enumerate(ring):
+        # Along the profile dr = -ny, dy = nr; the radius R = r (1 + depth cos) has these slopes along it and around.
+        swell, steepness = depth(y), (depth(y + SLOPE_STEP) - depth(y - SLOPE_STEP)) / (2 * SLOPE_STEP)
+        for j, ((c, s), (wave, wave_slope)) in enumerate(zip(ring, waves)):
             u = (j + (0.5 if r == 0.0 else 0.0)) / segments
-            normal = normalized((nr * c, ny, -nr * s)) if r > 0.0 else (0.0, 1.0 if ny > 0 else -1.0, 0.0)
-            mesh.vertex((r * c, y, -r * s), normal, (u, 1.0 - distance / lengths[-1]))
+            factor = 1.0 + swell * wave
+            out, up = nr, ny * factor - r * steepness * wave * nr
+            around = swell * count * wave_slope * nr / factor
+            normal = (0.0, 1.0 if ny > 0 else -1.0, 0.0)
+            if r > 0.0:
+                normal = normalized((out * c - around * s, up, -out * s - around * c))
+            mesh.vertex((r * factor * c, y, -r * factor * s), normal, (u, 1.0 - distance / lengths[-1]))
     for i, (a, b) in enumerate(zip(profile, profile[1:])):
         if lengths[i + 1] - lengths[i] == 0.0:
             continue
@@ -123,8 +137,8 @@ def lathe(profile, segments, closed=False, start=0.0):
     return mesh.compacted()
 
 
-def tube(points, radii, segments, flatten=1.0):
-    """A closed tube with pointed-in ends along a polyline; `radii` per point, `flatten` squeezes it along its first normal."""
+def tube(points, radii, segments):
+    """A closed tube with flat ends along a polyline, with one radius for each point."""
     mesh = Mesh(closed=True)
     count = len(points)
     forward = [normalized(sub(points[min(i + 1, count - 1)], points[max(i - 1, 0)])) for i in range(count)]
@@ -133,7 +147,7 @@ def tube(points, radii, segments, flatten=1.0):
     for point, axis, radius in zip(points, forward, radii):
         side = normalized(sub(side, scaled(axis, dot(side, axis))))
         other = cross(axis, side)
-        rings.append([add(point, add(scaled(side, radius * flatten * cos(2 * pi * j / segments)),
+        rings.append([add(point, add(scaled(side, radius * cos(2 * pi * j / segments)),
                                      scaled(other, radius * sin(2 * pi * j / segments)))) for j in range(segments)])
     travelled = [0.0]
     for a, b in zip(points, points[1:]):

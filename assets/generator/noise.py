@@ -44,7 +44,8 @@ class Fbm:
     """Octaves of noise, each of twice the frequency and `gain` times the height."""
 
     def __init__(self, seed, cells_x, cells_y, width, height, octaves, gain=0.5):
-        self.octaves = [(gain ** k, Noise(seed * 64 + k, cells_x << k, cells_y << k, width, height)) for k in range(octaves)]
+        self.octaves = [(gain ** k, Noise(seed * 64 + k, cells_x << k, cells_y << k, width, height))
+                        for k in range(octaves)]
 
     def row(self, y):
         rows = [[weight * v for v in noise.row(y)] for weight, noise in self.octaves]

@@ -14,7 +14,7 @@ WINDOW_DISTANCE, WINDOW_HEIGHT, WINDOW_CENTRE = 10.0, 3.0, (0.1665, 0.5)
 
 
 def normal_fuzz_roughness(fuzz):
-    """glTF roughness whose facets have the RMS slope of a unit normal moved by `fuzz` inside the unit ball: sqrt(2/5) fuzz."""
+    """glTF roughness whose facets have the RMS slope of a normal moved by `fuzz` in the unit ball: sqrt(2/5) fuzz."""
     return sqrt(fuzz * sqrt(0.4))
 
 
@@ -28,7 +28,8 @@ def metal(document, name, color, roughness):
 
 def camera(document):
     """The off-centre window as an ordinary camera with a shifted lens."""
-    document.camera("camera", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), 2 * atan(WINDOW_HEIGHT / 2 / WINDOW_DISTANCE), (960, 540),
+    yfov = 2 * atan(WINDOW_HEIGHT / 2 / WINDOW_DISTANCE)
+    document.camera("report", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), yfov, (960, 540),
                     shift=[centre / WINDOW_HEIGHT for centre in WINDOW_CENTRE])
 
 

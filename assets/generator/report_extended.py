@@ -6,14 +6,14 @@ On the ground ball of `report`, under a dim copy of its sky; a lamp quad, a smal
 from math import cos, pi, sin, sqrt
 
 from . import report, textures
-from .geometry import box, faceted, panel, scaled, sphere
+from .geometry import box, faceted, panel, scaled, sphere, turn_y
 
 LIGHT_TARGET = (0.0, 0.8, -6.0)
 GROUND_RADIUS = 20.0
 
 
 def _heart_radius(direction):
-    """Distance to the surface (x^2 + 9/4 z^2 + y^2 - 1)^3 = (x^2 + 9/80 z^2) y^3 (after Taubin) along a unit direction."""
+    """Distance from the centre to (x^2 + 9/4 z^2 + y^2 - 1)^3 = (x^2 + 9/80 z^2) y^3 (Taubin 1994)."""
     x, y, z = direction
     a, b = x * x + 2.25 * z * z + y * y, (x * x + 0.1125 * z * z) * y ** 3
     low, high = 0.0, 2.0
@@ -25,7 +25,7 @@ def _heart_radius(direction):
 
 
 def heart(size, columns=18, rows=11):
-    """A cut-glass heart: rings around the y axis from the notch to the tip, every second one turned by half a facet."""
+    """A cut-glass heart: rings about y from the notch to the tip, every second one turned by half a facet."""
     points = [scaled((0.0, _heart_radius((0.0, 1.0, 0.0)), 0.0), size)]
     for i in range(1, rows):
         polar = pi * i / rows
@@ -55,10 +55,6 @@ def _on_ground(x, z, lift):
     return (x, -19.2 + sqrt(reach * reach - x * x - (z + 10) ** 2), z)
 
 
-def _turn(angle):
-    return (0.0, sin(angle / 2), 0.0, cos(angle / 2))
-
-
 def _build_lights(document):
     lamp = document.material("lamp", (0.0, 0.0, 0.0), lambert=True, emission=(26.0, 23.0, 18.0))
     globe = document.material("globe", (0.0, 0.0, 0.0), lambert=True, emission=(12.0, 6.0, 2.3))
@@ -73,10 +69,12 @@ def build(document):
     brick_base, brick_rough, brick_normal = textures.bricks(size, 4, 8, 5)
     check_base, check_rough = textures.tiles(size, 8, 9)
     brick = document.material("brick", roughness=1.0, textures={
-        "base": document.texture("brick base", brick_base), "roughness": document.texture("brick roughness", brick_rough),
+        "base": document.texture("brick base", brick_base),
+        "roughness": document.texture("brick roughness", brick_rough),
         "normal": document.texture("brick normal", brick_normal)})
     check = document.material("check", roughness=1.0, textures={
-        "base": document.texture("check base", check_base), "roughness": document.texture("check roughness", check_rough)})
+        "base": document.texture("check base", check_base),
+        "roughness": document.texture("check roughness", check_rough)})
     rosy = document.material("rosy glass", roughness=0.0, ior=1.5, transmission=1.0, thickness=0.8,
                              attenuation=((0.95, 0.35, 0.42), 0.6))
     red = report.diffuse(document, "red", (1.0, 0.2, 0.2))
@@ -84,15 +82,14 @@ def build(document):
     mirror = report.metal(document, "mirror", (1.0, 1.0, 1.0), 0.0)
     ground = document.material("ground", (0.62, 0.6, 0.58), lambert=True)
     document.sphere("ground", (0.0, -19.2, -10.0), GROUND_RADIUS, ground)
-    document.node("brick cube", document.mesh("brick cube", (box((0.9, 0.9, 0.9)), brick)),
-                  _on_ground(-1.45, -6.4, 0.44), _turn(0.5))
-    document.node("red cube", document.mesh("red cube", (box((0.5, 0.5, 0.5)), red)), _on_ground(-0.55, -5.2, 0.24), _turn(-0.3))
-    document.node("mirror cube", document.mesh("mirror cube", (box((1.1, 1.1, 1.1)), mirror)),
-                  _on_ground(1.2, -7.4, 0.54), _turn(0.75))
-    document.node("check ball", document.mesh("check ball", (sphere(0.45, 64, 32), check)),
-                  _on_ground(1.15, -5.7, 0.45), _turn(0.6))
+    solids = (("brick cube", box((0.9, 0.9, 0.9)), brick, _on_ground(-1.45, -6.4, 0.44), 0.5),
+              ("red cube", box((0.5, 0.5, 0.5)), red, _on_ground(-0.55, -5.2, 0.24), -0.3),
+              ("mirror cube", box((1.1, 1.1, 1.1)), mirror, _on_ground(1.2, -7.4, 0.54), 0.75),
+              ("check ball", sphere(0.45, 64, 32), check, _on_ground(1.15, -5.7, 0.45), 0.6),
+              ("heart", heart(0.62), rosy, _on_ground(0.12, -6.0, 0.635), 0.35))
+    for name, mesh, material, place, heading in solids:
+        document.node(name, document.mesh(name, (mesh, material)), place, turn_y(heading))
     document.sphere("blue ball", _on_ground(-1.35, -5.1, 0.22), 0.22, blue)
-    document.node("heart", document.mesh("heart", (heart(0.62), rosy)), _on_ground(0.12, -6.0, 0.635), _turn(0.35))
     _build_lights(document)
     document.environment(gradient=((1.0, 0.0, 0.0), (0.16, 0.16, 0.16), (0.16, 0.0, 0.0)))
     document.camera("camera", (-0.3, 2.0, 0.4), (0.05, 0.7, -6.0), 30 * pi / 180, (960, 540))

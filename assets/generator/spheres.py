@@ -36,8 +36,10 @@ def _palette(document, random):
     for i in range(40):
         albedo = [a * b for a, b in zip(colour(0.1, 1.0), colour(0.1, 1.0))]
         diffuse.append(document.material(f"diffuse {i}", albedo, lambert=True))
-    metal = [document.material(f"metal {i}", colour(0.5, 1.0), metallic=1.0, roughness=fuzz_roughness(0.5 * random.random()))
-             for i in range(12)]
+    metal = []
+    for i in range(12):
+        color, fuzz = colour(0.5, 1.0), 0.5 * random.random()
+        metal.append(document.material(f"metal {i}", color, metallic=1.0, roughness=fuzz_roughness(fuzz)))
     return diffuse, metal
 
 

@@ -15,10 +15,11 @@ def planks(size, count, seed):
     random = Random(seed)
     warp = Fbm(seed, 2, 8, size, size, 3)
     fibre = Fbm(seed + 1, 12, 180, size, size, 2, 0.7)
-    pores = Noise(seed + 2, 48, 330, size, size)
+    pores = Noise(seed + 2, 64, 400, size, size)
     clouds = Fbm(seed + 3, 3, 5, size, size, 4)
-    boards = [{"heart": random.uniform(-0.4, 1.4), "turn": random.random() * 2 * pi, "depth": random.uniform(0.15, 0.5),
-               "tone": random.uniform(-0.13, 0.13), "rings": random.uniform(9, 15)} for _ in range(count)]
+    boards = [{"heart": random.uniform(-0.4, 1.4), "turn": random.random() * 2 * pi,
+               "depth": random.uniform(0.25, 0.9), "tone": random.uniform(-0.13, 0.13),
+               "rings": random.uniform(13, 22)} for _ in range(count)]
     waves = [2 * pi * x / size for x in range(size)]
     colour, rough, height = [], [], []
     for y in range(size):
@@ -29,13 +30,13 @@ def planks(size, count, seed):
         base = across - board["heart"]
         line = ([], [], [])
         for angle, w, f, p, c in zip(waves, warp.row(y), fibre.row(y), pores.row(y), clouds.row(y)):
-            reach = board["depth"] * (1.0 + 0.8 * sin(angle + board["turn"])) + 0.05
+            reach = board["depth"] * (1.0 + 0.6 * sin(angle + board["turn"]))
             d = base + 0.16 * w
             phase = (sqrt(d * d + reach * reach) + 0.012 * f) * board["rings"]
             t = phase - int(phase)
             late = smoothstep(0.25, 0.92, t) * (1.0 - smoothstep(0.93, 1.0, t))
             pore = smoothstep(0.22, 0.45, p) * (0.35 + 0.65 * late)
-            tone = 0.60 + board["tone"] + 0.22 * c - 0.27 * late + 0.16 * f - 0.26 * pore
+            tone = 0.62 + board["tone"] + 0.26 * c - 0.24 * late + 0.16 * f - 0.26 * pore
             line[0].append(tone * (0.25 + 0.75 * gap))
             line[1].append(0.30 + 0.10 * c - 0.05 * late + 0.22 * pore + 0.3 * (1 - gap))
             line[2].append(1.5 * gap - 0.30 * pore + 0.10 * f - 0.10 * late)
@@ -77,7 +78,7 @@ def turned_metal(width, height, seed):
     rough, relief = [], []
     for y in range(height):
         rows = list(zip(strokes.row(y), broad.row(y)))
-        rough.append([0.30 + 0.16 * s + 0.10 * b for s, b in rows])
+        rough.append([0.22 + 0.14 * s + 0.10 * b for s, b in rows])
         relief.append([0.6 * s for s, _ in rows])
     return roughness_png(rough, metallic=255), normal_png(relief, 0.55)
 
@@ -93,10 +94,23 @@ def glaze(width, height, seed):
         for f, s in zip(flow.row(y), specks.row(y)):
             edge = max(smoothstep(0.028, 0.0, abs(v - 0.45) + 0.02 * f), smoothstep(0.80, 0.92, v + 0.05 * f))
             speck = smoothstep(0.40, 0.52, s)
-            line.append(clamped(0.50 + 0.30 * f) * (1 - edge) * (1 - 0.7 * speck) if edge < 0.5 else 0.8 + 0.2 * edge - 0.1 * f)
+            body = clamped(0.50 + 0.30 * f) * (1 - edge) * (1 - 0.7 * speck)
+            line.append(body if edge < 0.5 else 0.8 + 0.2 * edge - 0.1 * f)
             gloss.append(0.13 + 0.06 * f + 0.35 * max(edge - 0.5, 0.0))
         colour.append(line)
         rough.append(gloss)
-    stops = ((0.0, (0.006, 0.012, 0.018)), (0.35, (0.012, 0.055, 0.085)), (0.75, (0.05, 0.20, 0.26)), (0.8, (0.10, 0.12, 0.09)),
-             (1.0, (0.20, 0.085, 0.035)))
+    stops = ((0.0, (0.006, 0.012, 0.018)), (0.35, (0.012, 0.055, 0.085)), (0.75, (0.05, 0.20, 0.26)),
+             (0.8, (0.10, 0.12, 0.09)), (1.0, (0.20, 0.085, 0.035)))
     return ramp_png(colour, stops), roughness_png(rough)
+
+
+def linen(size, seed):
+    """Woven cloth with a blue border of stripes near both ends of u: base colour."""
+    warp, weft = Noise(seed, size // 3, 6, size, size), Noise(seed + 1, 6, size // 3, size, size)
+    stripes = ((0.085, 0.135), (0.15, 0.16), (0.175, 0.185))
+    places = [(x + 0.5) / size for x in range(size)]
+    blue = [any(low <= min(u, 1 - u) <= high for low, high in stripes) for u in places]
+    field = [[(0.22 if dark else 0.86) + 0.16 * (a + b) for dark, a, b in zip(blue, warp.row(y), weft.row(y))]
+             for y in range(size)]
+    return ramp_png(field, ((0.0, (0.035, 0.06, 0.12)), (0.4, (0.09, 0.15, 0.27)), (0.6, (0.52, 0.50, 0.45)),
+                            (1.0, (0.80, 0.77, 0.70))), 64)

@@ -40,7 +40,8 @@ def colour_ramp(stops, size=256):
 def ramp_png(field, stops, levels=256):
     """A field of 0..1 values through a colour ramp."""
     top = levels - 1
-    return png.encode_palette([[int(clamped(v) * top + 0.5) for v in row] for row in field], colour_ramp(stops, levels))
+    indices = [[int(clamped(v) * top + 0.5) for v in row] for row in field]
+    return png.encode_palette(indices, colour_ramp(stops, levels))
 
 
 def roughness_png(field, metallic=0, levels=64):
@@ -91,8 +92,8 @@ def bricks(size, columns, courses, seed):
             line[2].append(inside * (1.0 + 0.25 * tone) + 0.22 * g)
         for field, row in zip((colour, rough, height), line):
             field.append(row)
-    stops = ((0.0, (0.30, 0.28, 0.25)), (0.3, (0.52, 0.49, 0.44)), (0.45, (0.16, 0.055, 0.035)), (0.7, (0.36, 0.12, 0.07)),
-             (1.0, (0.58, 0.25, 0.14)))
+    stops = ((0.0, (0.30, 0.28, 0.25)), (0.3, (0.52, 0.49, 0.44)), (0.45, (0.16, 0.055, 0.035)),
+             (0.7, (0.36, 0.12, 0.07)), (1.0, (0.58, 0.25, 0.14)))
     return ramp_png(colour, stops), roughness_png(rough), normal_png(height, 6.0 * size / 512)
 
 

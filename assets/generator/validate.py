@@ -130,7 +130,8 @@ def _check_nodes(checker, light_target):
             for place, normal in zip(checker.accessor(primitive["attributes"]["POSITION"]),
                                      checker.accessor(primitive["attributes"]["NORMAL"])):
                 size = node.get("scale", (1.0, 1.0, 1.0))
-                world = add(_rotate(rotation, tuple(p * s for p, s in zip(place, size))), node.get("translation", (0, 0, 0)))
+                turned = _rotate(rotation, tuple(p * s for p, s in zip(place, size)))
+                world = add(turned, node.get("translation", (0.0, 0.0, 0.0)))
                 facing = dot(_rotate(rotation, normal), sub(light_target, world))
                 checker.check(facing > 0, name, "emits away from the scene")
 
