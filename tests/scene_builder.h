@@ -35,11 +35,13 @@ class SceneBuilder {
     }
     void instance(uint32_t mesh, const Mat4d& transform) {
         desc_.objects.push_back({"object"});
-        desc_.instances.push_back({mesh, static_cast<uint32_t>(desc_.objects.size() - 1), transform});
+        desc_.instances.push_back(
+            {mesh, static_cast<uint32_t>(desc_.objects.size() - 1), transform});
     }
     void sphere(const Vec3d& center, double radius, uint32_t material) {
         desc_.objects.push_back({"sphere"});
-        desc_.spheres.push_back({center, radius, material, static_cast<uint32_t>(desc_.objects.size() - 1)});
+        desc_.spheres.push_back(
+            {center, radius, material, static_cast<uint32_t>(desc_.objects.size() - 1)});
     }
     void light(const PunctualLight& light) { desc_.lights.push_back(light); }
     void environment(const Rgb& color) { desc_.environment.color = color; }
@@ -56,7 +58,8 @@ class SceneBuilder {
     static Mesh box(const Vec3f& lower, const Vec3f& upper) {
         Mesh m;
         for (int i = 0; i < 8; ++i) {
-            m.positions.emplace_back((i & 1) ? upper.x : lower.x, (i & 2) ? upper.y : lower.y, (i & 4) ? upper.z : lower.z);
+            m.positions.emplace_back((i & 1) ? upper.x : lower.x, (i & 2) ? upper.y : lower.y,
+                                     (i & 4) ? upper.z : lower.z);
         }
         m.indices = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
                      2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
@@ -77,13 +80,14 @@ inline Camera camera_at(const Vec3d& eye, const Vec3d& target, double yfov = 0.7
 }
 
 // Renders whole passes into a film with the tier that the scene needs, or a given one.
-inline Film render_film(const std::shared_ptr<const Scene>& scene, const Camera& camera, const PathSettings& settings,
-                        uint32_t width, uint32_t height, uint64_t passes, WorkerPool& pool, int tier = -1,
+inline Film render_film(const std::shared_ptr<const Scene>& scene, const Camera& camera,
+                        const PathSettings& settings, uint32_t width, uint32_t height,
+                        uint64_t passes, WorkerPool& pool, int tier = -1,
                         NonFiniteCount* nonfinite = nullptr) {
     const RenderScene render_scene(scene);
     const CameraRays rays(camera, scene->origin(), width, height);
-    const std::size_t index =
-        tier >= 0 ? static_cast<std::size_t>(tier) : smallest_tier(analyse_effects(*scene, camera).active);
+    const std::size_t index = tier >= 0 ? static_cast<std::size_t>(tier)
+                                        : smallest_tier(analyse_effects(*scene, camera).active);
     Film film(width, height);
     std::vector<TileCounts> counts(pool.size());
     pool.parallel_for(height, [&](uint64_t row, unsigned worker) {

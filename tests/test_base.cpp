@@ -24,9 +24,10 @@ TEST(WorkerPool, RunsEveryIndexOnce) {
 
 TEST(WorkerPool, CarriesTheFirstExceptionAndStaysUsable) {
     WorkerPool pool(2);
-    EXPECT_THROW(pool.parallel_for(100, [](uint64_t i, unsigned) {
-                     if (i == 50) throw std::runtime_error("planted");
-                 }),
+    EXPECT_THROW(pool.parallel_for(100,
+                                   [](uint64_t i, unsigned) {
+                                       if (i == 50) throw std::runtime_error("planted");
+                                   }),
                  std::runtime_error);
     std::atomic<int> count{0};
     pool.parallel_for(10, [&](uint64_t, unsigned) { ++count; });

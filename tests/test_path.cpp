@@ -1,4 +1,5 @@
-// The estimator against closed forms: white furnaces, closed boxes, irradiance of simple lights, and its own variants.
+// The estimator against closed forms: white furnaces, closed boxes, irradiance of simple lights,
+// and its own variants.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,7 +28,8 @@ double furnace(const Material& material, uint64_t passes = 64) {
     builder.environment(Rgb(1));
     const Camera camera = camera_at(Vec3d(0, 0, 4), Vec3d(0), 0.3);
     NonFiniteCount bad;
-    const Film film = render_film(builder.build(workers()), camera, deep(), 32, 32, passes, workers(), -1, &bad);
+    const Film film =
+        render_film(builder.build(workers()), camera, deep(), 32, 32, passes, workers(), -1, &bad);
     EXPECT_EQ(bad.total(), 0u);
     return film_mean(film);
 }
@@ -56,29 +58,40 @@ TEST(WhiteFurnace, DiffuseMetalPlasticAndGlassReturnWhatArrives) {
 }
 
 TEST(WhiteFurnace, AGreySphereLosesItsAlbedoOnceAndLossesAreSeen) {
-    // A convex body sees only the environment, so its radiance is its albedo; this is also the control for the test above.
+    // A convex body sees only the environment, so its radiance is its albedo; this is also the
+    // control for the test above.
     EXPECT_NEAR(furnace(SceneBuilder::diffuse(0.98f)), 0.98, 1e-4);
 }
 
-// Every wall emits Le and reflects rho: L = Le / (1 - rho) everywhere, whatever the shape.
-double closed_box(float rho, uint64_t passes, bool nee) {
+// Every wall emits Le and reflects rho: L = Le / (1 - rho) everywhere, whatever the shape. Relative
+// to that.
+double closed_box(float rho, uint64_t passes, bool nee, bool roulette) {
     SceneBuilder builder;
     Material wall = SceneBuilder::diffuse(rho);
     wall.emissive_factor = Rgb(1);
     builder.mesh(SceneBuilder::box(Vec3f(-1), Vec3f(1, 1.5f, 2)), builder.material(wall));
-    PathSettings settings = deep();
+    PathSettings settings = deep(2048);
     settings.next_event_estimation = nee;
-    return film_mean(render_film(builder.build(workers()), camera_at(Vec3d(0.1, 0.2, 0.3), Vec3d(1, 0.3, 0.2), 1.2), settings,
-                                 32, 32, passes, workers()));
+    settings.russian_roulette = roulette;
+    const Camera camera = camera_at(Vec3d(0.1, 0.2, 0.3), Vec3d(1, 0.3, 0.2), 1.2);
+    return film_mean(
+               render_film(builder.build(workers()), camera, settings, 16, 16, passes, workers())) *
+           (1 - static_cast<double>(rho));
 }
 
 TEST(ClosedFurnace, BoxHoldsLeOverOneMinusRho) {
     for (float rho : {0.0f, 0.5f, 0.9f}) {
-        const double expected = 1 / (1 - static_cast<double>(rho));
-        EXPECT_NEAR(closed_box(rho, 256, true) / expected, 1, 0.002) << "rho " << rho;
-        EXPECT_NEAR(closed_box(rho, 256, false) / expected, 1, 0.002) << "rho " << rho << " without next-event estimation";
+        EXPECT_NEAR(closed_box(rho, 512, true, false), 1, 0.002) << "rho " << rho;
+        EXPECT_NEAR(closed_box(rho, 8, false, false), 1, 1e-4) << "rho " << rho << ", no NEE";
     }
-    EXPECT_NEAR(closed_box(0.99f, 256, false) * 0.01, 1, 0.004);
+    EXPECT_NEAR(closed_box(0.99f, 4, false, false), 1, 0.002);
+}
+
+TEST(ClosedFurnace, RouletteKeepsTheMean) {
+    // With survival rho a path's length is geometric: the relative deviation of one sample is about
+    // sqrt(rho).
+    constexpr uint64_t kPasses = 512;
+    EXPECT_NEAR(closed_box(0.9f, kPasses, false, true), 1, 4 / std::sqrt(256.0 * kPasses));
 }
 
 // Radiance of the middle of a white diffuse floor under the light of `add`.
@@ -90,7 +103,8 @@ double floor_radiance(Add add, uint64_t passes, bool nee = true) {
     add(builder);
     PathSettings settings = deep(1);
     settings.next_event_estimation = nee;
-    return film_mean(render_film(builder.build(workers()), camera_at(Vec3d(0, 1, 1), Vec3d(0), 1e-4), settings, 8, 8, passes,
+    return film_mean(render_film(builder.build(workers()),
+                                 camera_at(Vec3d(0, 1, 1), Vec3d(0), 1e-4), settings, 8, 8, passes,
                                  workers()));
 }
 
@@ -99,13 +113,15 @@ TEST(Irradiance, PunctualLightsFollowTheInverseSquare) {
     point.kind = PunctualKind::point;
     point.intensity = 10;
     point.position = Vec3d(0, 2, 0);
-    EXPECT_NEAR(floor_radiance([&](SceneBuilder& b) { b.light(point); }, 4), 0.5 / std::numbers::pi * 10 / 4, 1e-4);
+    EXPECT_NEAR(floor_radiance([&](SceneBuilder& b) { b.light(point); }, 4),
+                0.5 / std::numbers::pi * 10 / 4, 1e-4);
 
     PunctualLight sun;
     sun.kind = PunctualKind::directional;
     sun.intensity = 3;
     sun.direction = Vec3f(0, -0.6f, 0.8f);
-    EXPECT_NEAR(floor_radiance([&](SceneBuilder& b) { b.light(sun); }, 4), 0.5 / std::numbers::pi * 3 * 0.6, 1e-4);
+    EXPECT_NEAR(floor_radiance([&](SceneBuilder& b) { b.light(sun); }, 4),
+                0.5 / std::numbers::pi * 3 * 0.6, 1e-4);
 
     point.range = 1.9f;
     EXPECT_EQ(floor_radiance([&](SceneBuilder& b) { b.light(point); }, 4), 0);
@@ -138,12 +154,16 @@ TEST(Irradiance, QuadLightMatchesItsFormFactorNearAndFar) {
             Material lamp = SceneBuilder::diffuse(0);
             lamp.double_sided = false;
             lamp.emissive_factor = Rgb(1);
-            b.mesh(SceneBuilder::quad(Vec3f(-side, 2, -side), Vec3f(2 * side, 0, 0), Vec3f(0, 0, 2 * side)), b.material(lamp));
+            b.mesh(SceneBuilder::quad(Vec3f(-side, 2, -side), Vec3f(2 * side, 0, 0),
+                                      Vec3f(0, 0, 2 * side)),
+                   b.material(lamp));
         };
-        const double expected = 0.5 / std::numbers::pi * square_irradiance(static_cast<double>(side), 2);
+        const double expected =
+            0.5 / std::numbers::pi * square_irradiance(static_cast<double>(side), 2);
         EXPECT_NEAR(floor_radiance(add, 1024) / expected, 1, 3e-3) << "half side " << side;
         if (side >= 1) {
-            EXPECT_NEAR(floor_radiance(add, 4096, false) / expected, 1, 2e-2) << "half side " << side;
+            EXPECT_NEAR(floor_radiance(add, 4096, false) / expected, 1, 2e-2)
+                << "half side " << side;
         }
     }
 }
@@ -157,10 +177,12 @@ TEST(Coverage, BlendedSheetsTransmitOneMinusAlphaEach) {
     constexpr int kSheets = 4;
     for (int i = 0; i < kSheets; ++i) {
         const auto z = static_cast<float>(i);
-        builder.mesh(SceneBuilder::quad(Vec3f(-50, -50, -z), Vec3f(100, 0, 0), Vec3f(0, 100, 0)), material);
+        builder.mesh(SceneBuilder::quad(Vec3f(-50, -50, -z), Vec3f(100, 0, 0), Vec3f(0, 100, 0)),
+                     material);
     }
     builder.environment(Rgb(1));
-    const Film film = render_film(builder.build(workers()), camera_at(Vec3d(0, 0, 5), Vec3d(0)), deep(0), 32, 32, 256, workers());
+    const Film film = render_film(builder.build(workers()), camera_at(Vec3d(0, 0, 5), Vec3d(0)),
+                                  deep(0), 32, 32, 256, workers());
     EXPECT_NEAR(film_mean(film), std::pow(0.75, kSheets), 0.003);
 }
 
@@ -169,11 +191,16 @@ TEST(Coverage, TheCameraDoesNotSeeBackFacesButLightDoes) {
     Material wall = SceneBuilder::diffuse(0.5f);
     wall.double_sided = false;
     // Front side along +z; the camera looks from behind.
-    builder.mesh(SceneBuilder::quad(Vec3f(-50, -50, 0), Vec3f(100, 0, 0), Vec3f(0, 100, 0)), builder.material(wall));
+    builder.mesh(SceneBuilder::quad(Vec3f(-50, -50, 0), Vec3f(100, 0, 0), Vec3f(0, 100, 0)),
+                 builder.material(wall));
     builder.environment(Rgb(1));
     const auto scene = builder.build(workers());
-    EXPECT_NEAR(film_mean(render_film(scene, camera_at(Vec3d(0, 0, -5), Vec3d(0)), deep(), 8, 8, 4, workers())), 1, 1e-6);
-    EXPECT_NEAR(film_mean(render_film(scene, camera_at(Vec3d(0, 0, 5), Vec3d(0)), deep(), 8, 8, 4, workers())), 0.5, 1e-4);
+    EXPECT_NEAR(film_mean(render_film(scene, camera_at(Vec3d(0, 0, -5), Vec3d(0)), deep(), 8, 8, 4,
+                                      workers())),
+                1, 1e-6);
+    EXPECT_NEAR(film_mean(render_film(scene, camera_at(Vec3d(0, 0, 5), Vec3d(0)), deep(), 8, 8, 4,
+                                      workers())),
+                0.5, 1e-4);
 }
 
 TEST(Volume, ASolidAbsorbsAlongThePath) {
@@ -188,7 +215,9 @@ TEST(Volume, ASolidAbsorbsAlongThePath) {
     glass.attenuation_distance = 2;
     builder.mesh(SceneBuilder::box(Vec3f(-50, -50, -3), Vec3f(50, 50, 0)), builder.material(glass));
     builder.environment(Rgb(1));
-    const Film film = render_film(builder.build(workers()), camera_at(Vec3d(0, 0, 5), Vec3d(0), 1e-3), deep(), 4, 4, 4, workers());
+    const Film film =
+        render_film(builder.build(workers()), camera_at(Vec3d(0, 0, 5), Vec3d(0), 1e-3), deep(), 4,
+                    4, 4, workers());
     const FilmPixel& pixel = film.pixel(2, 2);
     EXPECT_NEAR(pixel.sum[0].value() / 4, std::pow(0.5, 1.5), 1e-5);
     EXPECT_NEAR(pixel.sum[1].value() / 4, std::pow(0.25, 1.5), 1e-5);
@@ -202,7 +231,8 @@ std::shared_ptr<const Scene> room() {
     builder.mesh(SceneBuilder::box(Vec3f(-2), Vec3f(2)), wall);
     Material lamp = SceneBuilder::diffuse(0);
     lamp.emissive_factor = Rgb(5);
-    builder.mesh(SceneBuilder::quad(Vec3f(-0.5f, 1.9f, -0.5f), Vec3f(1, 0, 0), Vec3f(0, 0, 1)), builder.material(lamp));
+    builder.mesh(SceneBuilder::quad(Vec3f(-0.5f, 1.9f, -0.5f), Vec3f(1, 0, 0), Vec3f(0, 0, 1)),
+                 builder.material(lamp));
     Material metal;
     metal.roughness_factor = 0.4f;
     builder.sphere(Vec3d(0.7, -1, 0), 0.8, builder.material(metal));
@@ -237,7 +267,9 @@ TEST(Tiers, EveryTierThatCoversASceneGivesTheSameBytes) {
     EXPECT_EQ(kTiers[smallest].name, "glossy");
     const std::string hash = render_film(scene, camera, deep(16), 48, 48, 8, workers()).hash();
     for (std::size_t tier = smallest; tier < kTiers.size(); ++tier) {
-        EXPECT_EQ(render_film(scene, camera, deep(16), 48, 48, 8, workers(), static_cast<int>(tier)).hash(), hash)
+        EXPECT_EQ(render_film(scene, camera, deep(16), 48, 48, 8, workers(), static_cast<int>(tier))
+                      .hash(),
+                  hash)
             << kTiers[tier].name;
     }
     // The control: a tier that lacks what the scene needs does not.
@@ -250,13 +282,16 @@ TEST(Scale, PowersOfTwoChangeNoByte) {
         const auto s = static_cast<float>(scale);
         Material lamp = SceneBuilder::diffuse(0.2f);
         lamp.emissive_factor = Rgb(5);
-        builder.mesh(SceneBuilder::box(Vec3f(-2 * s), Vec3f(2 * s)), builder.material(SceneBuilder::diffuse(0.7f)));
-        builder.mesh(SceneBuilder::quad(Vec3f(-0.5f, 1.9f, -0.5f) * s, Vec3f(1, 0, 0) * s, Vec3f(0, 0, 1) * s),
+        builder.mesh(SceneBuilder::box(Vec3f(-2 * s), Vec3f(2 * s)),
+                     builder.material(SceneBuilder::diffuse(0.7f)));
+        builder.mesh(SceneBuilder::quad(Vec3f(-0.5f, 1.9f, -0.5f) * s, Vec3f(1, 0, 0) * s,
+                                        Vec3f(0, 0, 1) * s),
                      builder.material(lamp));
         Material metal;
         metal.roughness_factor = 0.4f;
         builder.sphere(Vec3d(0.7, -1, 0) * scale, 0.8 * scale, builder.material(metal));
-        return render_film(builder.build(workers()), camera_at(Vec3d(0, 0, 1.9) * scale, Vec3d(0), 1.2), deep(16), 32, 32, 4,
+        return render_film(builder.build(workers()),
+                           camera_at(Vec3d(0, 0, 1.9) * scale, Vec3d(0), 1.2), deep(16), 32, 32, 4,
                            workers())
             .hash();
     };

@@ -14,7 +14,9 @@ ScheduleState interactive_state() {
     return state;
 }
 
-TEST(Scheduler, NothingWithoutAScene) { EXPECT_EQ(next_work({}).kind, WorkKind::idle); }
+TEST(Scheduler, NothingWithoutAScene) {
+    EXPECT_EQ(next_work({}).kind, WorkKind::idle);
+}
 
 TEST(Scheduler, AChangeIsShownAtLowResolutionFirstAndThatIsNotInterrupted) {
     ScheduleState state = interactive_state();

@@ -79,8 +79,12 @@ void apply_normal_map(const Scene& scene, const Material& material, SurfaceInter
         const float y = decode(texel.y) * material.normal_scale * si.tangent_sign;
         const float z = 2 * texel.z - 1;
         if (x == 0 && y == 0) return;
-        const Vec3f n = safe_normalize(si.shading.to_world(Vec3f(x, y, z)), si.shading.n);
-        si.shading = Frame::from_normal(n);
+        Frame map = si.shading;
+        if (si.tangent != Vec3f(0)) {
+            map.t = si.tangent;
+            map.b = cross(map.n, map.t);
+        }
+        si.shading = Frame::from_normal(safe_normalize(map.to_world(Vec3f(x, y, z)), si.shading.n));
     }
 }
 

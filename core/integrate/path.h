@@ -92,8 +92,9 @@ inline void add_emission(const RenderScene& rs, const PathSettings& settings,
 // Next-event estimation: one light, one shadow ray.
 template <EffectSet kTier>
 void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
-                      float u_choice, const SurfaceInteraction& si, const Bsdf<kTier>& bsdf,
-                      PathState& path, uint32_t& rays) {
+                      const SurfaceInteraction& si, const Bsdf<kTier>& bsdf, PathState& path,
+                      uint32_t& rays) {
+    const float u_choice = sampler.single(bounce, BouncePair::light_choice);
     const Vec2f u = sampler.pair(bounce, BouncePair::light);
     const std::optional<LightSample> light = rs.lights().sample(rs.scene(), si.p, u_choice, u);
     if (!light || is_black(light->radiance)) return;
@@ -154,14 +155,17 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         }
         const Bsdf<kTier> bsdf(params, frame, side * si.n_geometric, -ray.d,
                                si.front || params.thin);
-        const Vec2f choice = sampler.pair(bounce, BouncePair::choice);
         if (settings.next_event_estimation && bsdf.has_smooth_lobe() && rs.lights().can_sample()) {
-            add_direct_light<kTier>(rs, sampler, bounce, choice.x, si, bsdf, path, result.rays);
+            add_direct_light<kTier>(rs, sampler, bounce, si, bsdf, path, result.rays);
         }
 
         // Where the path goes on.
+        float u_lobe = 0;
+        if constexpr (kTier.has(Effect::glossy) || kTier.has(Effect::transmission)) {
+            u_lobe = sampler.single(bounce, BouncePair::lobe);
+        }
         const std::optional<BsdfSample> scattered =
-            bsdf.sample(choice.y, sampler.pair(bounce, BouncePair::bsdf));
+            bsdf.sample(u_lobe, sampler.pair(bounce, BouncePair::bsdf));
         if constexpr (Recorder::kActive)
             recorder.vertex(bounce, si, material, params, scattered, path);
         if (!scattered) break;
@@ -181,7 +185,7 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         if (settings.russian_roulette && bounce >= kRouletteStart) {
             const float q = std::max(max_component(path.beta) * path.eta_scale, kMinSurvival);
             if (q < 1) {
-                if (sampler.pair(bounce, BouncePair::roulette).x >= q) break;
+                if (sampler.single(bounce, BouncePair::roulette) >= q) break;
                 path.beta /= q;
             }
         }

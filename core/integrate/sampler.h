@@ -13,10 +13,11 @@
 
 namespace talbot {
 
-// Dimension pairs. Camera pairs come first, then kPairsPerBounce for each vertex of the path.
+// Dimension pairs, of which some purposes use only the first number. Camera pairs come first, then
+// kPairsPerBounce for each vertex of the path.
 enum class Purpose : uint32_t { pixel = 0, lens = 1, bounce = 2 };
-inline constexpr uint32_t kPairsPerBounce = 4;
-enum class BouncePair : uint32_t { light = 0, bsdf = 1, choice = 2, roulette = 3 };
+inline constexpr uint32_t kPairsPerBounce = 5;
+enum class BouncePair : uint32_t { light = 0, bsdf = 1, light_choice = 2, lobe = 3, roulette = 4 };
 
 constexpr uint32_t bounce_pair(uint32_t bounce, BouncePair pair) {
     return static_cast<uint32_t>(Purpose::bounce) + bounce * kPairsPerBounce +
@@ -48,7 +49,9 @@ constexpr uint32_t sobol_second_reversed(uint32_t index) {
 class Sampler {
   public:
     Sampler(SamplerKind kind, uint64_t seed, uint32_t x, uint32_t y, uint64_t index)
-        : kind_(kind), index_(static_cast<uint32_t>(index)) {
+        : kind_(kind),
+          index_(static_cast<uint32_t>(index)),
+          reversed_index_(reverse_bits(static_cast<uint32_t>(index))) {
         uint32_t key =
             hash_combine(hash32(static_cast<uint32_t>(seed)), static_cast<uint32_t>(seed >> 32));
         key = hash_combine(key, static_cast<uint32_t>(index >> 32));
@@ -63,15 +66,22 @@ class Sampler {
             const uint32_t a = hash_combine(seed, index_);
             return Vec2f(unit_float(a), unit_float(hash32(a ^ 0x68BC21EBu)));
         }
-        const uint32_t shuffled = reverse_bits(laine_karras(reverse_bits(index_), seed));
-        const uint32_t x = reverse_bits(laine_karras(shuffled, hash32(seed ^ 0xA511E9B3u)));
-        const uint32_t y =
-            reverse_bits(laine_karras(sobol_second_reversed(shuffled), hash32(seed ^ 0x63D83595u)));
-        return Vec2f(unit_float(x), unit_float(y));
+        const uint32_t shuffled = reverse_bits(laine_karras(reversed_index_, seed));
+        return Vec2f(first_of(shuffled, seed), second_of(shuffled, seed));
+    }
+
+    // Its first number alone.
+    float single(uint32_t pair) const {
+        const uint32_t seed = hash_combine(key_, pair);
+        if (kind_ == SamplerKind::independent) return unit_float(hash_combine(seed, index_));
+        return first_of(reverse_bits(laine_karras(reversed_index_, seed)), seed);
     }
 
     Vec2f pair(Purpose purpose) const { return pair(static_cast<uint32_t>(purpose)); }
     Vec2f pair(uint32_t bounce, BouncePair which) const { return pair(bounce_pair(bounce, which)); }
+    float single(uint32_t bounce, BouncePair which) const {
+        return single(bounce_pair(bounce, which));
+    }
 
     // Bits for decisions that traversal makes per primitive (stochastic coverage).
     uint32_t coverage_seed(uint32_t bounce, uint32_t salt) const {
@@ -79,8 +89,17 @@ class Sampler {
     }
 
   private:
+    static float first_of(uint32_t shuffled, uint32_t seed) {
+        return unit_float(reverse_bits(laine_karras(shuffled, hash32(seed ^ 0xA511E9B3u))));
+    }
+    static float second_of(uint32_t shuffled, uint32_t seed) {
+        const uint32_t second = sobol_second_reversed(shuffled);
+        return unit_float(reverse_bits(laine_karras(second, hash32(seed ^ 0x63D83595u))));
+    }
+
     SamplerKind kind_;
     uint32_t index_;
+    uint32_t reversed_index_;
     uint32_t key_;
 };
 

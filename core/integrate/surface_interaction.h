@@ -20,7 +20,8 @@ struct SurfaceInteraction {
     Vec3f p{0};
     Vec3f p_error{0};            // per axis, >= 0
     Vec3f n_geometric{0, 0, 1};  // unit; on the side that the winding calls front
-    Frame shading{};             // n on n_geometric's side; t along the texture's u where known
+    Frame shading{};             // n on n_geometric's side; any tangent, the same in every tier
+    Vec3f tangent{0};            // unit, along the texture's u, for normal maps; zero where unknown
     Vec2f uv[2]{Vec2f(0), Vec2f(0)};
     Vec4f color{1};  // vertex colour
     float tangent_sign = 1;
@@ -101,8 +102,7 @@ void fill_triangle_attributes(const Mesh& mesh, const SceneInstance& instance,
         tangent -= dot(tangent, n) * n;
         const float square = dot(tangent, tangent);
         if (square > 0 && is_finite(square)) {
-            si.shading.t = tangent / std::sqrt(square);
-            si.shading.b = cross(n, si.shading.t);
+            si.tangent = tangent / std::sqrt(square);
         }
     }
 }
@@ -158,8 +158,7 @@ void fill_sphere(const Scene& scene, const Ray& ray, const Hit& hit, SurfaceInte
         const Vec3f around(si.n_geometric.z, 0, -si.n_geometric.x);
         const float square = dot(around, around);
         if (square > 0) {
-            si.shading.t = around / std::sqrt(square);
-            si.shading.b = cross(si.n_geometric, si.shading.t);
+            si.tangent = around / std::sqrt(square);
         }
         si.tangent_sign = 1;
     }

@@ -9,7 +9,8 @@ namespace talbot {
 
 inline constexpr uint32_t kNoId = 0xFFFFFFFFu;
 
-// A primitive as the intersector names it: an instance and a triangle in its mesh, or kSphereInstance and a sphere.
+// A primitive as the intersector names it: an instance and a triangle in its mesh, or
+// kSphereInstance and a sphere.
 struct PrimitiveId {
     uint32_t instance = kNoId;
     uint32_t primitive = kNoId;
@@ -19,8 +20,9 @@ struct PrimitiveId {
 
 inline constexpr uint32_t kSphereInstance = 0xFFFFFFFEu;
 
-// Points o + t d with t in (0, t_max). d need not have unit length. Planar primitives named in skip_from and skip_to are
-// never reported; a sphere named there is reported only for the hit that is not at the origin (skip_from).
+// Points o + t d with t in (0, t_max). d need not have unit length. Planar primitives named in
+// skip_from and skip_to are never reported; a sphere named there is reported only for the hit that
+// is not at the origin (skip_from).
 struct Ray {
     Vec3f o{0};
     float t_max = kInfinity;
@@ -29,7 +31,8 @@ struct Ray {
     PrimitiveId skip_to{};
 };
 
-// What traversal reports. u and v are the barycentric weights of the triangle's second and third vertex; zero on spheres.
+// What traversal reports. u and v are the barycentric weights of the triangle's second and third
+// vertex; zero on spheres.
 struct Hit {
     float t = kInfinity;
     float u = 0;

@@ -40,11 +40,13 @@ inline constexpr float kNormalMapStep = 1.01f / 255;
 
 // A triangle light is sampled by solid angle when area / distance^2 exceeds this; below, its cosine
 // and distance hardly vary.
-inline constexpr float kSolidAngleSampling = 0.01f;
-// |determinant| of a matrix beside the product of its columns' lengths, below which it is singular up to rounding in double.
+inline constexpr float kSolidAngleSampling = 0.1f;
+// |determinant| of a matrix beside the product of its columns' lengths, below which it is singular
+// up to rounding in double.
 inline constexpr double kSingularRatio = 1e-14;
 
-// Relative deviation of M^T M from a multiple of the identity that the rounding of a file's floats may cause.
+// Relative deviation of M^T M from a multiple of the identity that the rounding of a file's floats
+// may cause.
 inline constexpr double kUniformScaleTolerance = 1e-5;
 
 // Largest world coordinate in metres: the squares of distances fit a float with room to spare.
@@ -77,14 +79,12 @@ inline float clamp01(float x) {
     return x < 0 ? 0.0f : (x > 1 ? 1.0f : x);
 }
 
-// a b - c d with an error of at most 1.5 ulp (Kahan; Jeannerod et al. 2013).
+// a b - c d, rounded once after a double subtraction: both products of floats are exact in double.
 inline float difference_of_products(float a, float b, float c, float d) {
-    const float cd = c * d;
-    const float error = std::fma(-c, d, cd);
-    return std::fma(a, b, -cd) + error;
+    return static_cast<float>(static_cast<double>(a) * b - static_cast<double>(c) * d);
 }
 
-// Cross product whose components carry 1.5 ulp each.
+// Cross product whose components carry hardly more than the last rounding.
 inline Vec3f stable_cross(const Vec3f& a, const Vec3f& b) {
     return Vec3f(difference_of_products(a.y, b.z, a.z, b.y),
                  difference_of_products(a.z, b.x, a.x, b.z),
@@ -116,12 +116,14 @@ inline float power_heuristic(float pdf_a, float pdf_b) {
     return r2 / (1 + r2);
 }
 
-// Next float away from zero direction-wise: one step towards +inf or -inf.
+// The next float towards +infinity or -infinity; finite x only.
 inline float next_float_up(float x) {
-    return std::nextafter(x, kInfinity);
+    if (x == 0) return std::bit_cast<float>(1u);
+    const uint32_t bits = std::bit_cast<uint32_t>(x);
+    return std::bit_cast<float>(x > 0 ? bits + 1 : bits - 1);
 }
 inline float next_float_down(float x) {
-    return std::nextafter(x, -kInfinity);
+    return -next_float_up(-x);
 }
 
 // p moved off a surface with unit normal n, to the side that `direction` points to, by a bound on

@@ -28,6 +28,8 @@ constexpr uint32_t reverse_bits(uint32_t x) {
 }
 
 // The top 24 bits as a float in [0, 1 - 2^-24]: never rounds to 1.
-constexpr float unit_float(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+constexpr float unit_float(uint32_t bits) {
+    return static_cast<float>(bits >> 8) * 0x1p-24f;
+}
 
 }  // namespace talbot

@@ -1,4 +1,5 @@
-// Vectors, matrices and colours: the only file that includes GLM. Right-handed, +Y up, column vectors, metres.
+// Vectors, matrices and colours: the only file that includes GLM. Right-handed, +Y up, column
+// vectors, metres.
 #pragma once
 
 #ifndef GLM_FORCE_EXPLICIT_CTOR
@@ -38,13 +39,23 @@ using glm::dot;
 using glm::length;
 using glm::normalize;
 
-inline float max_component(const Vec3f& v) { return glm::max(v.x, glm::max(v.y, v.z)); }
-inline double max_component(const Vec3d& v) { return glm::max(v.x, glm::max(v.y, v.z)); }
-inline float min_component(const Vec3f& v) { return glm::min(v.x, glm::min(v.y, v.z)); }
+inline float max_component(const Vec3f& v) {
+    return glm::max(v.x, glm::max(v.y, v.z));
+}
+inline double max_component(const Vec3d& v) {
+    return glm::max(v.x, glm::max(v.y, v.z));
+}
+inline float min_component(const Vec3f& v) {
+    return glm::min(v.x, glm::min(v.y, v.z));
+}
 
 // Rec. 709 relative luminance.
-inline float luminance(const Rgb& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
+inline float luminance(const Rgb& c) {
+    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+}
 
-inline bool is_black(const Rgb& c) { return c.x == 0 && c.y == 0 && c.z == 0; }
+inline bool is_black(const Rgb& c) {
+    return c.x == 0 && c.y == 0 && c.z == 0;
+}
 
 }  // namespace talbot
