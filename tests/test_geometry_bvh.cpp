@@ -115,7 +115,7 @@ TEST(Bvh, EqualsBruteForce) {
         const auto oracle = build_brute_force(scene.input());
         for (const BuildQuality quality : {BuildQuality::fast, BuildQuality::high}) {
             const auto accel = build(scene, quality);
-            EXPECT_EQ(differences(scene, *accel, *oracle, 100000 * test_scale(),
+            EXPECT_EQ(differences(scene, *accel, *oracle, 50000 * test_scale(),
                                   17 + static_cast<uint64_t>(quality)),
                       0u)
                 << name;
@@ -128,7 +128,7 @@ TEST(Bvh, LargeMeshEqualsBruteForce) {
     const auto oracle = build_brute_force(scene.input());
     const auto accel = build(scene);
     EXPECT_EQ(accel->stats().triangles, scene.meshes[0].triangles());
-    EXPECT_EQ(differences(scene, *accel, *oracle, 1500 * test_scale(), 3), 0u);
+    EXPECT_EQ(differences(scene, *accel, *oracle, 1000 * test_scale(), 3), 0u);
 }
 
 // A comparison that ignores ties must see differences, or the tie rule is not exercised.

@@ -27,7 +27,7 @@ Pair two_product(double a, double b) {
     return {product, std::fma(a, b, -product)};
 }
 
-// Six products of one float and two differences of at most two terms each: 6 * 2 * 2 * 4 terms.
+// Room for six products of three differences of two terms each, four terms a product.
 class Expansion {
   public:
     // Adds one double exactly (Shewchuk 1997, figure 6, with zero terms dropped).
@@ -64,30 +64,50 @@ class Expansion {
     }
 
   private:
-    std::array<double, 104> terms_;
+    std::array<double, 200> terms_;
     size_t size_ = 0;
 };
+
+using PairVector = std::array<Pair, 3>;
+
+PairVector difference(const Vec3f& p, const Vec3f& o) {
+    PairVector d;
+    for (size_t i = 0; i < 3; ++i) {
+        d[i] = two_sum(p[static_cast<int>(i)], -static_cast<double>(o[static_cast<int>(i)]));
+    }
+    return d;
+}
+
+// Adds d times component i of a x b.
+void add_component(Expansion& sum, double d, size_t i, const PairVector& a, const PairVector& b) {
+    const size_t j = (i + 1) % 3;
+    const size_t k = (i + 2) % 3;
+    for (const double aj : {a[j].low, a[j].high}) {
+        for (const double bk : {b[k].low, b[k].high}) sum.add_product(d, aj, bk);
+    }
+    for (const double ak : {a[k].low, a[k].high}) {
+        for (const double bj : {b[j].low, b[j].high}) sum.add_product(-d, ak, bj);
+    }
+}
 
 }  // namespace
 
 double exact_triple_product(const Vec3f& d, const Vec3f& o, const Vec3f& p, const Vec3f& q) {
-    std::array<Pair, 3> a;
-    std::array<Pair, 3> b;
-    for (int i = 0; i < 3; ++i) {
-        a[static_cast<size_t>(i)] = two_sum(p[i], -static_cast<double>(o[i]));
-        b[static_cast<size_t>(i)] = two_sum(q[i], -static_cast<double>(o[i]));
-    }
+    const PairVector a = difference(p, o);
+    const PairVector b = difference(q, o);
     Expansion sum;
-    for (int i = 0; i < 3; ++i) {
-        const double di = d[i];
-        const auto j = static_cast<size_t>((i + 1) % 3);
-        const auto k = static_cast<size_t>((i + 2) % 3);
-        for (const double aj : {a[j].low, a[j].high}) {
-            for (const double bk : {b[k].low, b[k].high}) sum.add_product(di, aj, bk);
-        }
-        for (const double ak : {a[k].low, a[k].high}) {
-            for (const double bj : {b[j].low, b[j].high}) sum.add_product(-di, ak, bj);
-        }
+    for (size_t i = 0; i < 3; ++i) add_component(sum, d[static_cast<int>(i)], i, a, b);
+    return sum.estimate();
+}
+
+double exact_volume(const Vec3f& o, const Vec3f& p, const Vec3f& q, const Vec3f& r) {
+    const PairVector d = difference(p, o);
+    const PairVector a = difference(q, o);
+    const PairVector b = difference(r, o);
+    Expansion sum;
+    for (size_t i = 0; i < 3; ++i) {
+        add_component(sum, d[i].low, i, a, b);
+        add_component(sum, d[i].high, i, a, b);
     }
     return sum.estimate();
 }

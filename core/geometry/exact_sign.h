@@ -10,6 +10,9 @@ namespace talbot {
 // exactly zero.
 double exact_triple_product(const Vec3f& d, const Vec3f& o, const Vec3f& p, const Vec3f& q);
 
+// (p - o) . ((q - o) x (r - o)), likewise.
+double exact_volume(const Vec3f& o, const Vec3f& p, const Vec3f& q, const Vec3f& r);
+
 // Whether the three points lie on one line (coincident points included), decided exactly.
 bool exactly_collinear(const Vec3f& a, const Vec3f& b, const Vec3f& c);
 

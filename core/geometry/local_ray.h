@@ -41,6 +41,20 @@ inline bool to_world_kernel(const Ray& ray, LocalRay& local) {
     return is_finite(local.t_scale) && is_finite(1 / local.t_scale);
 }
 
+// x rounded to float even if it is used as a double afterwards. GCC before 13 folds the two
+// conversions of a vector into none once it has vectorised straight-line code (it compares the
+// precision of vector types, not of their elements).
+inline float rounded(double x) {
+    float f = static_cast<float>(x);
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ < 13 && defined(__SSE2__)
+    asm("" : "+x"(f));
+#endif
+    return f;
+}
+inline Vec3f rounded(const Vec3d& v) {
+    return Vec3f(rounded(v.x), rounded(v.y), rounded(v.z));
+}
+
 // The ray in the space of an instance: transformed in double and rounded once, its direction
 // brought to unit size by a power of two. False when it cannot be represented there.
 inline bool to_object_space(const Ray& ray, const SceneObject& object, LocalRay& local) {
@@ -51,7 +65,7 @@ inline bool to_object_space(const Ray& ray, const SceneObject& object, LocalRay&
     if (max_component(glm::abs(o)) > kMaxCoordinate) return false;
     const int exponent = std::ilogb(largest);
     const double scale = std::ldexp(1.0, -exponent);
-    local.sheared = shear(Vec3f(o), Vec3f(d * scale));
+    local.sheared = shear(rounded(o), rounded(d * scale));
     local.t_scale = static_cast<float>(scale);
     local.instance = object.id;
     return local.t_scale > 0 && is_finite(local.t_scale) && is_finite(1 / local.t_scale);

@@ -89,6 +89,14 @@ inline bool exact_edges(const ShearedRay& ray, const Vec3f& a, const Vec3f& b, c
     return least < 0 || most > 0;
 }
 
+// Distance to the plane along kz, t times d[kz].
+inline double exact_depth(const ShearedRay& ray, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+    const double area = exact_triple_product(ray.d, ray.o, c, b) +
+                        exact_triple_product(ray.d, ray.o, a, c) +
+                        exact_triple_product(ray.d, ray.o, b, a);
+    return exact_volume(ray.o, a, c, b) / area * ray.d[ray.kz];
+}
+
 }  // namespace triangle_detail
 
 // Whether the ray's line meets the closed triangle abc, and where. extent is triangle_extent(a, b,
@@ -123,7 +131,12 @@ inline bool intersect_triangle(const ShearedRay& ray, const Vec3f& a, const Vec3
         sum = u + v + w;
     }
     const double inverse = 1 / sum;
-    hit.t = static_cast<float>((u * az + v * bz + w * cz) * inverse * ray.sz);
+    double z = (u * az + v * bz + w * cz) * inverse;
+    // An origin all but on the plane: cancellation would leave no digit, not even the sign.
+    if (std::abs(z) < kInPlaneShare * (std::abs(az) + e)) {
+        z = triangle_detail::exact_depth(ray, a, b, c);
+    }
+    hit.t = static_cast<float>(z * ray.sz);
     hit.u = static_cast<float>(v * inverse);
     hit.v = static_cast<float>(w * inverse);
     return true;

@@ -40,6 +40,8 @@ inline constexpr float kEdgeErrorFloor = 0x1p-120f;  // products flushed to zero
 inline constexpr double kDoubleEpsilon = 0x1p-53;
 // Doubled area in units of the error above, below which barycentrics are computed exactly.
 inline constexpr double kWellShaped = 0x1p22;
+// Depth of a hit in units of the triangle's own depth, below which it is computed exactly.
+inline constexpr double kInPlaneShare = 0x1p-28;
 
 // World bounds of an instance are widened by this share of the largest coordinate: the ray is
 // rounded once in object space.
