@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <new>
+#include <numeric>
 #include <variant>
 
 #include "core/base/worker_pool.h"
@@ -105,7 +106,6 @@ class GltfLoader {
         return wanted;
     }
 
-    // Images first: they are the long ones.
     std::vector<DecodeJob> make_jobs(const SurfaceUses& uses) {
         std::vector<DecodeJob> jobs;
         std::vector<bool> wanted_image(loading_.document.images.size(), false);
@@ -138,9 +138,22 @@ class GltfLoader {
         }
     }
 
+    // The order in which jobs are started: those that take long (tangents to be made) first, then
+    // images, then the rest.
+    std::vector<size_t> start_order() const {
+        std::vector<size_t> order(jobs_.size());
+        std::iota(order.begin(), order.end(), size_t{0});
+        std::stable_partition(order.begin(), order.end(), [&](size_t i) {
+            const auto* primitive = std::get_if<PrimitiveRequest>(&jobs_[i].task);
+            return primitive && primitive->wants_tangents;
+        });
+        return order;
+    }
+
     // In batches, between which progress is reported from this thread.
     Status decode(const SurfaceUses& uses) {
         jobs_ = make_jobs(uses);
+        const std::vector<size_t> order = start_order();
         WorkerPool pool(loading_.options.threads);
         const size_t batch = std::max<size_t>(32, size_t{8} * pool.size());
         size_t done = 0;
@@ -151,7 +164,7 @@ class GltfLoader {
             pool.parallel_for(
                 count + extra,
                 [&](uint64_t i, unsigned) {
-                    if (i < count) run_job(jobs_[done + i]);
+                    if (i < count) run_job(jobs_[order[done + i]]);
                     if (i == count) loading_.desc.sha256 = sha256_hex(loading_.document.bytes);
                 },
                 loading_.options.stop);
@@ -159,7 +172,7 @@ class GltfLoader {
             hashed = true;
             done += count;
             for (size_t i = done - count; i < done; ++i) {
-                if (jobs_[i].error) return *jobs_[i].error;
+                if (jobs_[order[i]].error) return *jobs_[order[i]].error;
             }
             const float fraction =
                 jobs_.empty() ? 1.0f : static_cast<float>(done) / static_cast<float>(jobs_.size());

@@ -8,10 +8,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
+#include <numeric>
+#include <span>
 #include <tuple>
-#include <unordered_map>
 
 #include "core/math/robust.h"
 
@@ -37,18 +39,17 @@ struct Group {
     bool positive = false;
 };
 
-struct WeldKey {
-    std::array<uint32_t, 8> bits;
-    bool operator==(const WeldKey&) const = default;
-};
+// What welds two vertices: position, normal and texture coordinate, bit by bit.
+using WeldKey = std::array<uint32_t, 8>;
 
-struct WeldHash {
-    size_t operator()(const WeldKey& key) const {
-        uint64_t h = 0xCBF29CE484222325ull;
-        for (const uint32_t b : key.bits) h = (h ^ b) * 0x100000001B3ull;
-        return static_cast<size_t>(h ^ (h >> 29));
+size_t weld_hash(const WeldKey& key) {
+    uint64_t h = 0;
+    for (const uint32_t b : key) {
+        h = (h ^ b) * 0x9E3779B97F4A7C15ull;
+        h ^= h >> 32;
     }
-};
+    return static_cast<size_t>(h);
+}
 
 Vec3f project(const Vec3f& v, const Vec3f& n) {
     return safe_normalize(v - n * dot(n, v), Vec3f(0));
@@ -75,20 +76,28 @@ class TangentBuilder {
     }
     const Vec3f& position(uint32_t welded) const { return mesh_.positions[welded]; }
 
-    // welded_[v] is the first vertex with the same position, normal and texture coordinate.
+    WeldKey weld_key(uint32_t v) const {
+        const Vec3f p = mesh_.positions[v] + 0.0f;  // -0 becomes 0
+        const Vec3f n = mesh_.normals[v] + 0.0f;
+        const Vec2f t = uv_[v] + 0.0f;
+        WeldKey key;
+        std::memcpy(key.data(), &p, 12);
+        std::memcpy(key.data() + 3, &n, 12);
+        std::memcpy(key.data() + 6, &t, 8);
+        return key;
+    }
+
+    // welded_[v] is the first vertex with the same key, found in a table with open addressing.
     void weld() {
-        std::unordered_map<WeldKey, uint32_t, WeldHash> first;
-        first.reserve(mesh_.positions.size());
+        const size_t mask = std::bit_ceil(mesh_.positions.size() * 2) - 1;
+        std::vector<uint32_t> table(mask + 1, kNone);
         welded_.resize(mesh_.positions.size());
         for (uint32_t v = 0; v < welded_.size(); ++v) {
-            const Vec3f p = mesh_.positions[v] + 0.0f;  // -0 becomes 0
-            const Vec3f n = mesh_.normals[v] + 0.0f;
-            const Vec2f t = uv_[v] + 0.0f;
-            WeldKey key;
-            std::memcpy(key.bits.data(), &p, 12);
-            std::memcpy(key.bits.data() + 3, &n, 12);
-            std::memcpy(key.bits.data() + 6, &t, 8);
-            welded_[v] = first.try_emplace(key, v).first->second;
+            const WeldKey key = weld_key(v);
+            size_t slot = weld_hash(key) & mask;
+            while (table[slot] != kNone && weld_key(table[slot]) != key) slot = (slot + 1) & mask;
+            if (table[slot] == kNone) table[slot] = v;
+            welded_[v] = table[slot];
         }
     }
 
@@ -112,32 +121,53 @@ class TangentBuilder {
         }
     }
 
+    struct Edge {
+        uint32_t high, face, corner;
+        bool forward;
+    };
+
+    // All edges, grouped by their lower vertex: those of vertex v are [start[v], start[v + 1]).
+    std::vector<Edge> collect_edges(std::vector<uint32_t>& start) const {
+        const auto for_each_edge = [&](const auto& visit) {
+            for (uint32_t f = 0; f < faces_.size(); ++f) {
+                if (faces_[f].degenerate) continue;
+                for (uint32_t c = 0; c < 3; ++c)
+                    visit(f, c, faces_[f].vertex[c], faces_[f].vertex[(c + 1) % 3]);
+            }
+        };
+        start.assign(welded_.size() + 1, 0);
+        for_each_edge(
+            [&](uint32_t, uint32_t, uint32_t a, uint32_t b) { ++start[std::min(a, b) + 1]; });
+        std::partial_sum(start.begin(), start.end(), start.begin());
+        std::vector<uint32_t> next(start.begin(), start.end() - 1);
+        std::vector<Edge> edges(start.back());
+        for_each_edge([&](uint32_t f, uint32_t c, uint32_t a, uint32_t b) {
+            edges[next[std::min(a, b)]++] = {std::max(a, b), f, c, a < b};
+        });
+        return edges;
+    }
+
     // Two faces are neighbours when they run along the same edge in opposite directions.
     void link_neighbors() {
-        struct Edge {
-            uint32_t low, high, face, corner;
-            bool forward;
-        };
-        std::vector<Edge> edges;
-        edges.reserve(faces_.size() * 3);
-        for (uint32_t f = 0; f < faces_.size(); ++f) {
-            if (faces_[f].degenerate) continue;
-            for (uint32_t c = 0; c < 3; ++c) {
-                const uint32_t a = faces_[f].vertex[c];
-                const uint32_t b = faces_[f].vertex[(c + 1) % 3];
-                edges.push_back({std::min(a, b), std::max(a, b), f, c, a < b});
-            }
+        std::vector<uint32_t> start;
+        std::vector<Edge> edges = collect_edges(start);
+        for (size_t v = 0; v + 1 < start.size(); ++v) {
+            const std::span<Edge> around(edges.data() + start[v], start[v + 1] - start[v]);
+            std::sort(around.begin(), around.end(), [](const Edge& a, const Edge& b) {
+                return std::tie(a.high, a.face, a.corner) < std::tie(b.high, b.face, b.corner);
+            });
+            link_sorted(around);
         }
-        std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
-            return std::tie(a.low, a.high, a.face, a.corner) <
-                   std::tie(b.low, b.high, b.face, b.corner);
-        });
+    }
+
+    void link_sorted(std::span<const Edge> edges) {
         for (size_t i = 0; i < edges.size(); ++i) {
             uint32_t& mine = faces_[edges[i].face].neighbor[edges[i].corner];
             if (mine != kNone) continue;
             // Where many faces share an edge, only the nearest few are looked at.
-            for (size_t j = i + 1; j < edges.size() && j < i + kMaxEdgeSharers; ++j) {
-                if (edges[j].low != edges[i].low || edges[j].high != edges[i].high) break;
+            for (size_t j = i + 1;
+                 j < edges.size() && j < i + kMaxEdgeSharers && edges[j].high == edges[i].high;
+                 ++j) {
                 uint32_t& theirs = faces_[edges[j].face].neighbor[edges[j].corner];
                 if (edges[j].forward == edges[i].forward || theirs != kNone ||
                     edges[j].face == edges[i].face)
