@@ -4,7 +4,9 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "core/math/robust.h"
 #include "core/math/vec.h"
@@ -20,17 +22,27 @@ inline void small_sin_cos(float x, float& sine, float& cosine) {
     cosine = 1 + x2 * (-0.5f + x2 * (1.0f / 24 + x2 * (-1.0f / 720 + x2 * (1.0f / 40320))));
 }
 
+// Two floats, exchanged if asked, without a branch: the condition is as random as the sample.
+inline void swap_if(bool swapped, float& a, float& b) {
+    const uint32_t bits_a = std::bit_cast<uint32_t>(a);
+    const uint32_t bits_b = std::bit_cast<uint32_t>(b);
+    const uint32_t change = (bits_a ^ bits_b) & (0u - static_cast<uint32_t>(swapped));
+    a = std::bit_cast<float>(bits_a ^ change);
+    b = std::bit_cast<float>(bits_b ^ change);
+}
+
+inline float negate_if(uint32_t bit, float x) {
+    return std::bit_cast<float>(std::bit_cast<uint32_t>(x) ^ (bit << 31));
+}
+
 // Sine and cosine of 2 pi u, u in [0, 1].
 inline void sin_cos_turn(float u, float& sine, float& cosine) {
     const int quadrant = static_cast<int>(u * 4 + 0.5f);
-    float s = 0;
-    float c = 0;
-    small_sin_cos((u - 0.25f * static_cast<float>(quadrant)) * (2 * kPi), s, c);
-    const bool swapped = (quadrant & 1) != 0;
-    const float s1 = swapped ? c : s;
-    const float c1 = swapped ? s : c;
-    sine = (quadrant & 2) != 0 ? -s1 : s1;
-    cosine = ((quadrant + 1) & 2) != 0 ? -c1 : c1;
+    const auto q = static_cast<uint32_t>(quadrant);
+    small_sin_cos((u - 0.25f * static_cast<float>(quadrant)) * (2 * kPi), sine, cosine);
+    swap_if((q & 1u) != 0, sine, cosine);
+    sine = negate_if((q >> 1) & 1u, sine);
+    cosine = negate_if(((q + 1) >> 1) & 1u, cosine);
 }
 
 // A point of the unit disc with its 1 - r^2, which loses no digits near the rim.
@@ -41,16 +53,16 @@ struct DiskPoint {
 
 // Uniform on the unit disc: squares go to rings (Shirley and Chiu 1997).
 inline DiskPoint sample_concentric_disk_point(const Vec2f& u) {
-    const float a = 2 * u.x - 1;
-    const float b = 2 * u.y - 1;
-    const bool along_x = std::abs(a) > std::abs(b);
-    const float r = along_x ? a : b;
-    if (r == 0) return {};
+    float r = 2 * u.x - 1;
+    float across = 2 * u.y - 1;
+    const bool along_y = !(std::abs(r) > std::abs(across));
+    swap_if(along_y, r, across);
     float s = 0;
     float c = 0;
-    small_sin_cos((kPi / 4) * ((along_x ? b : a) / r), s, c);
+    small_sin_cos((kPi / 4) * (across / (r == 0 ? 1.0f : r)), s, c);
+    swap_if(along_y, c, s);
     const float abs_r = std::abs(r);
-    return {along_x ? Vec2f(r * c, r * s) : Vec2f(r * s, r * c), (1 - abs_r) * (1 + abs_r)};
+    return {Vec2f(r * c, r * s), (1 - abs_r) * (1 + abs_r)};
 }
 
 inline Vec2f sample_concentric_disk(const Vec2f& u) {

@@ -3,37 +3,56 @@
 // which resolves the layer mu ~ alpha of grazing directions.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/math/robust.h"
 
 namespace talbot {
 
-inline constexpr int kAlbedoRows = 64;
-inline constexpr int kAlbedoColumns = 64;
 inline constexpr float kAlbedoKnee = 2;
 
 // kDeltaAlpha^(1/4).
 inline constexpr float kAlbedoFirstRow = 0.177827941f;
 
-inline float albedo_row_coordinate(float alpha) {
-    return (std::sqrt(std::sqrt(alpha)) - kAlbedoFirstRow) *
-           (static_cast<float>(kAlbedoRows - 1) / (1 - kAlbedoFirstRow));
-}
-inline double albedo_row_alpha(int row) {
-    const double root = kAlbedoFirstRow + (1.0 - kAlbedoFirstRow) * row / (kAlbedoRows - 1);
-    return root * root * root * root;
-}
+struct AlbedoGrid {
+    int rows;
+    int columns;
 
-// knee_alpha = kAlbedoKnee alpha.
-inline float albedo_column_coordinate(float mu, float knee_alpha) {
-    return std::sqrt(mu * (1 + knee_alpha) / (mu + knee_alpha)) *
-           static_cast<float>(kAlbedoColumns - 1);
+    // Fractional row of alpha in [kDeltaAlpha, 1].
+    float row_coordinate(float alpha) const {
+        return (std::sqrt(std::sqrt(alpha)) - kAlbedoFirstRow) *
+               (static_cast<float>(rows - 1) / (1 - kAlbedoFirstRow));
+    }
+    double row_alpha(int row) const {
+        const double root = kAlbedoFirstRow + (1.0 - kAlbedoFirstRow) * row / (rows - 1);
+        return root * root * root * root;
+    }
+
+    // Fractional column of mu in [0, 1]; knee = kAlbedoKnee alpha.
+    float column_coordinate(float mu, float knee) const {
+        return std::sqrt(mu * (1 + knee) / (mu + knee)) * static_cast<float>(columns - 1);
+    }
+    double column_mu(double column, double alpha) const {
+        const double x = column / (columns - 1);
+        const double knee = kAlbedoKnee * alpha;
+        return x * x >= 1 ? 1 : x * x * knee / (1 + knee - x * x);
+    }
+};
+
+inline constexpr AlbedoGrid kReflectionGrid{64, 64};
+
+inline constexpr AlbedoGrid kGlassGrid{24, 32};
+inline constexpr int kGlassSlices = 32;
+inline constexpr float kGlassMaxReflectance4 = 0.70710678f;  // the slice coordinate of ior 3
+
+inline float glass_slice_coordinate(float ior) {
+    const float root = std::sqrt(std::max(ior - 1, 0.0f) / (ior + 1));
+    return root * (static_cast<float>(kGlassSlices - 1) / kGlassMaxReflectance4);
 }
-inline double albedo_column_mu(int column, double alpha) {
-    const double x = static_cast<double>(column) / (kAlbedoColumns - 1);
-    const double knee = kAlbedoKnee * alpha;
-    return x * x * knee / (1 + knee - x * x);
+inline double glass_slice_ior(int slice) {
+    const double root = double{kGlassMaxReflectance4} * slice / (kGlassSlices - 1);
+    return (1 + root * root) / (1 - root * root);
 }
 
 }  // namespace talbot

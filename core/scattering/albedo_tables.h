@@ -26,8 +26,17 @@ struct MeanAlbedoEntry {
     float a_lost = 0;
 };
 
-extern const AlbedoEntry kAlbedoTable[kAlbedoRows * kAlbedoColumns];
-extern const MeanAlbedoEntry kMeanAlbedoTable[kAlbedoRows];
+extern const AlbedoEntry kAlbedoTable[kReflectionGrid.rows * kReflectionGrid.columns];
+extern const MeanAlbedoEntry kMeanAlbedoTable[kReflectionGrid.rows];
+
+// Albedo of a single scattering at a rough dielectric interface, both ways out taken together, by
+// side (outside first), slice, row and column.
+inline constexpr int kGlassTableSize = 2 * kGlassSlices * kGlassGrid.rows * kGlassGrid.columns;
+extern const float kGlassTable[kGlassTableSize];
+
+// That albedo for alpha in [kDeltaAlpha, 1] and ior >= 1; within 0.005, 0.001 on average, for ior
+// >= 1.2.
+float glass_albedo(float mu, float alpha, float ior, bool outside);
 
 struct SchlickAlbedo {
     float a = 1;
@@ -42,19 +51,18 @@ struct SchlickAlbedo {
 class AlbedoRow {
   public:
     AlbedoRow() = default;
-    explicit AlbedoRow(float alpha) : column_scale_(alpha * kAlbedoKnee) {
-        const float y = albedo_row_coordinate(alpha);
-        const int j = std::clamp(static_cast<int>(y), 0, kAlbedoRows - 2);
-        row_ = j;
-        fraction_ = y - static_cast<float>(j);
+    explicit AlbedoRow(float alpha) : knee_(alpha * kAlbedoKnee) {
+        const float y = kReflectionGrid.row_coordinate(alpha);
+        row_ = std::clamp(static_cast<int>(y), 0, kReflectionGrid.rows - 2);
+        fraction_ = y - static_cast<float>(row_);
     }
 
     SchlickAlbedo operator()(float mu) const {
-        const float x = albedo_column_coordinate(mu, column_scale_);
-        const int i = std::min(static_cast<int>(x), kAlbedoColumns - 2);
+        const float x = kReflectionGrid.column_coordinate(mu, knee_);
+        const int i = std::min(static_cast<int>(x), kReflectionGrid.columns - 2);
         const float f = x - static_cast<float>(i);
-        const AlbedoEntry* p = kAlbedoTable + row_ * kAlbedoColumns + i;
-        const AlbedoEntry* q = p + kAlbedoColumns;
+        const AlbedoEntry* p = kAlbedoTable + row_ * kReflectionGrid.columns + i;
+        const AlbedoEntry* q = p + kReflectionGrid.columns;
         const float e0 = p[0].e + f * (p[1].e - p[0].e);
         const float e1 = q[0].e + f * (q[1].e - q[0].e);
         const float d0 = p[0].residual + f * (p[1].residual - p[0].residual);
@@ -78,7 +86,7 @@ class AlbedoRow {
   private:
     int row_ = 0;
     float fraction_ = 0;
-    float column_scale_ = 1;
+    float knee_ = 1;
 };
 
 }  // namespace talbot

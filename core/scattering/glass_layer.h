@@ -47,7 +47,8 @@ class GlassLayer {
             ggx_ = Ggx(m.alpha);
             slant_o_ = ggx_.slant(wo);
             // What a single scattering loses leaves in proportion to what it does not.
-            if (straight_) weight_ /= AlbedoRow(m.alpha)(wo.z).e();
+            weight_ /= straight_ ? AlbedoRow(m.alpha)(wo.z).e()
+                                 : glass_albedo(wo.z, m.alpha, ior, m.outside);
         }
     }
 

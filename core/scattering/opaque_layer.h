@@ -49,12 +49,14 @@ class OpaqueLayer {
         delta_ = m.alpha < kDeltaAlpha;
 
         Rgb specular_albedo;
-        float mean_s;
+        float s_o = 0;     // S(mu_o)
+        float mean_s = 0;  // over the cosine-weighted hemisphere
         if (delta_) {
             const Rgb normal = not_metal * dielectric + m.metallic * m.base_color;
             const Rgb grazing(not_metal * m.specular + m.metallic);
             normal_ = weight * (normal + schlick_weight(wo.z) * (grazing - normal));
             specular_albedo = normal_;
+            s_o = f0_ + (f90_ - f0_) * schlick_weight(wo.z);
             mean_s = f0_ + (f90_ - f0_) * (1.0f / 21);  // 2 int (1 - mu)^5 mu dmu = 1 / 21
         } else {
             ggx_ = Ggx(m.alpha);
@@ -67,20 +69,20 @@ class OpaqueLayer {
             normal_ = dielectric_scale * dielectric + metal_scale * m.base_color;
             grazing_ = dielectric_scale * m.specular + metal_scale;
             specular_albedo = albedo.a * normal_ + albedo.b * grazing_;
+            s_o = compensated(albedo);
             mean_s = row_.mean_compensated(f0_, f90_);
         }
 
-        float specular_share = mean_component(specular_albedo);
+        const float specular_share = mean_component(specular_albedo);
         float diffuse_share = 0;
         if (not_metal > 0) {
-            const float escaping = std::max(1 - dielectric_albedo(wo.z), 0.0f);
-            const Rgb diffuse_albedo = (weight * not_metal * escaping) * m.base_color;
+            const Rgb diffuse_albedo =
+                (weight * not_metal * std::max(1 - s_o, 0.0f)) * m.base_color;
             diffuse_ = mean_s < 1 ? diffuse_albedo * (kInvPi / (1 - mean_s)) : Rgb(0);
             diffuse_share = mean_component(diffuse_albedo);
         }
         albedo_ = specular_share + diffuse_share;
-        p_specular_ = albedo_ > 0 ? specular_share / albedo_ : 0.0f;
-        if (!(diffuse_share > 0)) p_specular_ = 1;
+        p_specular_ = diffuse_share > 0 ? specular_share / albedo_ : 1.0f;
     }
 
     // Estimated albedo, mean of the channels, with the weight.
@@ -117,7 +119,9 @@ class OpaqueLayer {
     // S: the dielectric specular lobe's directional albedo in its largest channel.
     float dielectric_albedo(float mu) const {
         if (delta_) return f0_ + (f90_ - f0_) * schlick_weight(mu);
-        const SchlickAlbedo albedo = row_(mu);
+        return compensated(row_(mu));
+    }
+    float compensated(const SchlickAlbedo& albedo) const {
         return (f0_ * albedo.a + f90_ * albedo.b) * (1 + f0_ * albedo.lost());
     }
 

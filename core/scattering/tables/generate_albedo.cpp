@@ -18,79 +18,90 @@
 namespace {
 
 constexpr double kPiD = std::numbers::pi;
-constexpr int kSteps = 80;
-
-struct Albedo {
-    double e = 0;  // at Fresnel 1
-    double b = 0;  // weighted by (1 - cos_d)^5
-};
+// Column from which the limit at grazing is taken.
+constexpr double kFirstColumn = 0.02;
 
 double slant(double alpha, double sin_theta, double cos_theta) {
     return std::sqrt(alpha * alpha * sin_theta * sin_theta + cos_theta * cos_theta);
 }
 
-// Cosines and weights of the azimuths in (0, pi), and nodes u with their weights.
+double fifth_power(double x) {
+    return x * x * x * x * x;
+}
+
+// Midpoints of the square: cosines of the azimuths in (0, pi), and nodes u with their weights.
 struct Rule {
+    std::size_t steps;
     std::vector<double> cos_phi, sin_phi, u, weight;
 
-    Rule() {
+    explicit Rule(std::size_t n) : steps(n) {
         double sum = 0;
-        for (int k = 0; k < kSteps; ++k) {
-            const double v = (k + 0.5) / kSteps;
+        for (std::size_t k = 0; k < n; ++k) {
+            const double v = (static_cast<double>(k) + 0.5) / static_cast<double>(n);
             cos_phi.push_back(std::cos(kPiD * v));
             sin_phi.push_back(std::sin(kPiD * v));
             u.push_back(0.5 * (1 - std::cos(kPiD * v)));
             weight.push_back(std::sin(kPiD * v));
             sum += weight.back();
         }
-        for (double& w : weight) w /= sum * kSteps;
+        for (double& w : weight) w /= sum * static_cast<double>(n);
     }
 };
 
-Albedo integrate_reflection(double mu, double alpha, const Rule& rule) {
-    const double sin_o = std::sqrt(1 - mu * mu);
-    const double slant_o = slant(alpha, sin_o, mu);
-    const double w_x = alpha * sin_o / slant_o;
-    const double w_z = mu / slant_o;
-    Albedo sum;
-    for (std::size_t i = 0; i < kSteps; ++i) {
-        const double t = rule.u[i] * (1 + w_z);
-        const double r = std::sqrt(t * (2 - t));
-        for (std::size_t j = 0; j < kSteps; ++j) {
-            const double x = alpha * (r * rule.cos_phi[j] + w_x);
-            const double y = alpha * r * rule.sin_phi[j];
-            const double z = (1 - rule.u[i]) * (1 + w_z);
-            const double inv = 1 / std::sqrt(x * x + y * y + z * z);
-            const double cos_d = (sin_o * x + mu * z) * inv;
-            const double z_i = 2 * cos_d * z * inv - mu;
-            if (!(z_i > 0)) continue;
-            const double slant_i = slant(alpha, std::sqrt(std::max(0.0, 1 - z_i * z_i)), z_i);
-            const double w = rule.weight[i] * z_i * (mu + slant_o) / (z_i * slant_o + mu * slant_i);
-            const double m = 1 - cos_d;
-            sum.e += w;
-            sum.b += w * m * m * m * m * m;
+// A view direction and the microfacets it sees.
+struct Facets {
+    double mu, alpha, slant_o;
+
+    Facets(double cos_theta, double a)
+        : mu(cos_theta), alpha(a), slant_o(slant(a, std::sqrt(1 - mu * mu), mu)) {}
+
+    // visit(weight, cosine of the facet to the view, z of the facet) for each facet.
+    template <typename Visit>
+    void for_each(const Rule& rule, const Visit& visit) const {
+        const double sin_o = std::sqrt(1 - mu * mu);
+        const double w_x = alpha * sin_o / slant_o;
+        const double w_z = mu / slant_o;
+        for (std::size_t i = 0; i < rule.steps; ++i) {
+            const double t = rule.u[i] * (1 + w_z);
+            const double r = std::sqrt(t * (2 - t));
+            for (std::size_t j = 0; j < rule.steps; ++j) {
+                const double x = alpha * (r * rule.cos_phi[j] + w_x);
+                const double y = alpha * r * rule.sin_phi[j];
+                const double z = (1 - rule.u[i]) * (1 + w_z);
+                const double inv = 1 / std::sqrt(x * x + y * y + z * z);
+                visit(rule.weight[i], std::min((sin_o * x + mu * z) * inv, 1.0), z * inv);
+            }
         }
     }
-    return sum;
-}
+
+    // G2 / G1 for an outgoing direction with cosine z_i > 0 on either side.
+    double shadowing(double z_i) const {
+        const double slant_i = slant(alpha, std::sqrt(std::max(0.0, 1 - z_i * z_i)), z_i);
+        return z_i * (mu + slant_o) / (z_i * slant_o + mu * slant_i);
+    }
+};
 
 struct Node {
     double e = 1;
     double residual = 0;
 };
 
-double fifth_power(double x) {
-    return x * x * x * x * x;
-}
-
-std::vector<Node> integrate_row(double alpha, const Rule& rule) {
-    std::vector<Node> row(talbot::kAlbedoColumns);
-    for (int i = 0; i < talbot::kAlbedoColumns; ++i) {
-        const double mu = std::min(1.0, talbot::albedo_column_mu(i, alpha));
-        const Albedo albedo = integrate_reflection(mu, alpha, rule);
+std::vector<Node> integrate_reflection(double alpha, const Rule& rule) {
+    std::vector<Node> row(talbot::kReflectionGrid.columns);
+    for (int i = 0; i < talbot::kReflectionGrid.columns; ++i) {
+        const Facets facets(talbot::kReflectionGrid.column_mu(i, alpha), alpha);
+        double e = 0;  // at Fresnel 1
+        double b = 0;  // weighted by (1 - cos_d)^5
+        facets.for_each(rule, [&](double weight, double cos_d, double h_z) {
+            const double z_i = 2 * cos_d * h_z - facets.mu;
+            if (!(z_i > 0)) return;
+            const double w = weight * facets.shadowing(z_i);
+            e += w;
+            b += w * fifth_power(1 - cos_d);
+        });
         Node& node = row[static_cast<std::size_t>(i)];
-        node.e = i == 0 ? 1 : albedo.e;  // nothing is lost at grazing
-        node.residual = albedo.b - node.e * fifth_power(1 - mu);
+        node.e = i == 0 ? 1 : e;  // nothing is lost at grazing
+        node.residual = b - node.e * fifth_power(1 - facets.mu);
     }
     return row;
 }
@@ -100,21 +111,19 @@ std::vector<Node> integrate_row(double alpha, const Rule& rule) {
 std::array<double, 3> mean_of_row(const std::vector<Node>& row, double alpha) {
     constexpr int kSubsteps = 16;
     std::array<double, 3> mean{};
-    const double knee = talbot::kAlbedoKnee * alpha;
-    const auto mu_at = [knee](double x) {
-        return std::min(1.0, x * x * knee / (1 + knee - x * x));
-    };
-    for (int i = 0; i + 1 < talbot::kAlbedoColumns; ++i) {
+    for (int i = 0; i + 1 < talbot::kReflectionGrid.columns; ++i) {
         const Node& p = row[static_cast<std::size_t>(i)];
         const Node& q = row[static_cast<std::size_t>(i) + 1];
+        const auto mu_at = [&](double f) {
+            return talbot::kReflectionGrid.column_mu(i + f, alpha);
+        };
         for (int k = 0; k < kSubsteps; ++k) {
-            const auto x = [i](double f) { return (i + f) / (talbot::kAlbedoColumns - 1); };
             const double f = (k + 0.5) / kSubsteps;
-            const double low = mu_at(x(static_cast<double>(k) / kSubsteps));
-            const double high = mu_at(x((k + 1.0) / kSubsteps));
+            const double low = mu_at(static_cast<double>(k) / kSubsteps);
+            const double high = mu_at((k + 1.0) / kSubsteps);
             const double e = p.e + f * (q.e - p.e);
             const double b =
-                p.residual + f * (q.residual - p.residual) + e * fifth_power(1 - mu_at(x(f)));
+                p.residual + f * (q.residual - p.residual) + e * fifth_power(1 - mu_at(f));
             const double weight = high * high - low * low;
             mean[0] += weight * (e - b);
             mean[1] += weight * b;
@@ -124,10 +133,60 @@ std::array<double, 3> mean_of_row(const std::vector<Node>& row, double alpha) {
     return mean;
 }
 
+// Albedo of a dielectric interface at every slice: eta is the far side's index over the near
+// side's.
+void integrate_glass(double mu, double alpha, const Rule& rule, const std::vector<double>& etas,
+                     std::vector<double>& albedos) {
+    const Facets facets(mu, alpha);
+    albedos.assign(etas.size(), 0.0);
+    facets.for_each(rule, [&](double weight, double c, double h_z) {
+        const double z_reflected = 2 * c * h_z - mu;
+        const double reflected = z_reflected > 0 ? weight * facets.shadowing(z_reflected) : 0;
+        for (std::size_t k = 0; k < etas.size(); ++k) {
+            const double n = etas[k];
+            const double cos2_t = 1 - (1 - c * c) / (n * n);
+            if (!(cos2_t > 0)) {
+                albedos[k] += reflected;
+                continue;
+            }
+            const double ct = std::sqrt(cos2_t);
+            const double s = (c - n * ct) / (c + n * ct);
+            const double p = (n * c - ct) / (n * c + ct);
+            const double fresnel = 0.5 * (s * s + p * p);
+            const double z_refracted = (ct - c / n) * h_z + mu / n;
+            const double transmitted = z_refracted > 0 ? weight * facets.shadowing(z_refracted) : 0;
+            albedos[k] += transmitted + fresnel * (reflected - transmitted);
+        }
+    });
+}
+
+// All of the glass table, in its order.
+std::vector<double> glass_table() {
+    using namespace talbot;
+    const Rule rule(48);
+    std::vector<double> etas;
+    for (int k = 0; k < kGlassSlices; ++k) etas.push_back(glass_slice_ior(k));
+    for (int k = 0; k < kGlassSlices; ++k) etas.push_back(1 / glass_slice_ior(k));
+    const std::size_t plane = static_cast<std::size_t>(kGlassGrid.rows * kGlassGrid.columns);
+    std::vector<double> table(etas.size() * plane);
+    std::vector<double> albedos;
+    for (int j = 0; j < kGlassGrid.rows; ++j) {
+        const double alpha = kGlassGrid.row_alpha(j);
+        for (int i = 0; i < kGlassGrid.columns; ++i) {
+            // At grazing the limit is taken from close by: 0 / 0 there for a matched index.
+            const double mu =
+                i == 0 ? kGlassGrid.column_mu(kFirstColumn, alpha) : kGlassGrid.column_mu(i, alpha);
+            integrate_glass(mu, alpha, rule, etas, albedos);
+            const auto offset = static_cast<std::size_t>(j * kGlassGrid.columns + i);
+            for (std::size_t k = 0; k < etas.size(); ++k) table[k * plane + offset] = albedos[k];
+        }
+    }
+    return table;
+}
+
 void write_numbers(std::ostream& out, std::initializer_list<double> numbers) {
-    out << '{';
-    for (const double x : numbers) out << std::scientific << std::setprecision(9) << x << "f, ";
-    out << "},\n";
+    for (const double x : numbers) out << std::scientific << std::setprecision(9) << x << "f,";
+    out << '\n';
 }
 
 }  // namespace
@@ -140,15 +199,18 @@ int main(int argc, char** argv) {
     const std::string directory = argv[1];
     std::ofstream table(directory + "/albedo_table.inc");
     std::ofstream means(directory + "/mean_albedo_table.inc");
-    const Rule rule;
-    for (int j = 0; j < talbot::kAlbedoRows; ++j) {
-        const double alpha = talbot::albedo_row_alpha(j);
-        const std::vector<Node> row = integrate_row(alpha, rule);
+    std::ofstream glass(directory + "/glass_albedo_table.inc");
+    const Rule rule(80);
+    for (int j = 0; j < talbot::kReflectionGrid.rows; ++j) {
+        const double alpha = talbot::kReflectionGrid.row_alpha(j);
+        const std::vector<Node> row = integrate_reflection(alpha, rule);
         for (const Node& node : row) write_numbers(table, {node.e, node.residual});
         const std::array<double, 3> mean = mean_of_row(row, alpha);
         write_numbers(means, {mean[0], mean[1], mean[2]});
     }
+    for (const double albedo : glass_table()) write_numbers(glass, {albedo});
     table.close();
     means.close();
-    return table && means ? 0 : 1;
+    glass.close();
+    return table && means && glass ? 0 : 1;
 }
