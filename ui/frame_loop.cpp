@@ -175,64 +175,64 @@ void FrameLoop::run_shortcuts() {
     }
 }
 
-void FrameLoop::run_command(Command command) {
+void FrameLoop::run_command(ViewerCommand command) {
     float& exposure = model_.display.exposure_ev;
     switch (command) {
-        case Command::toggle_pause:
+        case ViewerCommand::toggle_pause:
             model_.paused = !model_.paused;
             edits_.paused = true;
             break;
-        case Command::restart:
+        case ViewerCommand::restart:
             edits_.restart = true;
             break;
-        case Command::frame_all:
+        case ViewerCommand::frame_all:
             edits_.camera |= frame_all(model_);
             break;
-        case Command::frame_selected:
+        case ViewerCommand::frame_selected:
             edits_.camera |= frame_selected(model_);
             break;
-        case Command::next_camera: {
+        case ViewerCommand::next_camera: {
             const std::size_t count = model_.scene ? model_.scene->cameras().size() : 0;
             if (count == 0) break;
             edits_.camera |= use_file_camera(model_, (model_.camera + 1) % static_cast<int>(count));
             break;
         }
-        case Command::clear_selection:
+        case ViewerCommand::clear_selection:
             if (model_.look.show_help)
                 model_.look.show_help = false;
             else
                 select_object(model_, std::nullopt, std::nullopt, edits_);
             break;
-        case Command::exposure_down:
+        case ViewerCommand::exposure_down:
             exposure -= kExposureStep;
             break;
-        case Command::exposure_up:
+        case ViewerCommand::exposure_up:
             exposure += kExposureStep;
             break;
-        case Command::exposure_reset:
+        case ViewerCommand::exposure_reset:
             exposure = 0;
             break;
-        case Command::next_tone_map:
+        case ViewerCommand::next_tone_map:
             model_.display.tone_map = static_cast<ToneMap>(
                 (static_cast<std::size_t>(model_.display.tone_map) + 1) % kToneMaps.size());
             break;
-        case Command::toggle_panels:
+        case ViewerCommand::toggle_panels:
             model_.look.show_panels = !model_.look.show_panels;
             break;
-        case Command::toggle_help:
+        case ViewerCommand::toggle_help:
             model_.look.show_help = !model_.look.show_help;
             break;
-        case Command::open_file:
+        case ViewerCommand::open_file:
             model_.look.show_panels = true;
             form_.focus_open_path = true;
             break;
-        case Command::save_png:
+        case ViewerCommand::save_png:
             save_file(form_.save_path.ends_with(".png") ? form_.save_path : "talbot.png");
             break;
-        case Command::save_exr:
+        case ViewerCommand::save_exr:
             save_file(form_.save_path.ends_with(".exr") ? form_.save_path : "talbot.exr");
             break;
-        case Command::quit:
+        case ViewerCommand::quit:
             quit_ = true;
             break;
     }

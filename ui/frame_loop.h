@@ -71,7 +71,7 @@ class FrameLoop {
     void take_input(double now);
     void draw_ui(double seconds);
     void run_shortcuts();
-    void run_command(Command command);
+    void run_command(ViewerCommand command);
     void select_at(const Vec2f& position);
     std::optional<Pick> pick_at(const Vec2f& position) const;
     void finish_jobs();

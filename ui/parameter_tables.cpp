@@ -82,7 +82,8 @@ constexpr Parameter<Material> kMaterialParameters[] = {
       .label = "alphaMode",
       .kind = Kind::choice,
       .upper = 2,
-      .choices = kAlphaModes},
+      .choices = kAlphaModes,
+      .choice_names = kAlphaModes},
      [](const Material& m) { return ParameterValue{static_cast<double>(m.alpha_mode)}; },
      [](Material& m, const ParameterValue& v) {
          m.alpha_mode = static_cast<AlphaMode>(static_cast<int>(v[0]));

@@ -41,8 +41,9 @@ struct ParameterInfo {
     double slider_lower = 0;  // what the slider spans
     double slider_upper = 1;
     bool logarithmic = false;
-    std::span<const std::string_view> choices = {};
-    std::string_view note = {};  // one sentence, shown as a tooltip
+    std::span<const std::string_view> choices = {};       // as shown
+    std::span<const std::string_view> choice_names = {};  // as written in scripts
+    std::string_view note = {};                           // one sentence, shown as a tooltip
 };
 
 // How many components the kind has.

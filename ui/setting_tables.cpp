@@ -17,6 +17,18 @@ std::span<const std::string_view> labels_of(const Table& table) {
     return labels;
 }
 
+template <typename Table>
+std::span<const std::string_view> names_of(const Table& table) {
+    static const std::vector<std::string_view> names = [&] {
+        std::vector<std::string_view> all;
+        for (const auto& row : table) all.push_back(row.name);
+        return all;
+    }();
+    return names;
+}
+
+constexpr std::string_view kChannelNames[] = {"color", "red",   "green",
+                                              "blue",  "alpha", "luminance"};
 constexpr std::string_view kChannels[] = {"Colour", "Red", "Green", "Blue", "Alpha", "Luminance"};
 
 template <auto kMember>
@@ -74,12 +86,14 @@ std::span<const Parameter<RenderSettings>> render_parameters() {
                                            .label = "Sampler",
                                            .kind = Kind::choice,
                                            .upper = kSamplers.size() - 1,
-                                           .choices = labels_of(kSamplers)}),
+                                           .choices = labels_of(kSamplers),
+                                           .choice_names = names_of(kSamplers)}),
         setting<&RenderSettings::filter>({.name = "filter",
                                           .label = "Pixel filter",
                                           .kind = Kind::choice,
                                           .upper = kFilters.size() - 1,
-                                          .choices = labels_of(kFilters)}),
+                                          .choices = labels_of(kFilters),
+                                          .choice_names = names_of(kFilters)}),
         setting<&RenderSettings::russian_roulette>(
             {.name = "russian_roulette",
              .label = "Russian roulette",
@@ -128,7 +142,8 @@ std::span<const Parameter<ViewerModel>> display_parameters() {
           .label = "Tone map",
           .kind = Kind::choice,
           .upper = kToneMaps.size() - 1,
-          .choices = labels_of(kToneMaps)},
+          .choices = labels_of(kToneMaps),
+          .choice_names = names_of(kToneMaps)},
          [](const ViewerModel& m) {
              return ParameterValue{static_cast<double>(m.display.tone_map)};
          },
@@ -139,7 +154,8 @@ std::span<const Parameter<ViewerModel>> display_parameters() {
           .label = "Channel",
           .kind = Kind::choice,
           .upper = 5,
-          .choices = kChannels},
+          .choices = kChannels,
+          .choice_names = kChannelNames},
          [](const ViewerModel& m) {
              return ParameterValue{static_cast<double>(m.display.channel)};
          },

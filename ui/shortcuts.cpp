@@ -6,22 +6,22 @@ namespace {
 constexpr Key kF1 = Key::f1;
 
 constexpr Shortcut kShortcuts[] = {
-    {Command::toggle_pause, Key::space, false, "Space", "Pause or resume"},
-    {Command::restart, key_of('r'), false, "R", "Restart the image"},
-    {Command::frame_all, Key::home, false, "Home", "Frame everything"},
-    {Command::frame_selected, key_of('f'), false, "F", "Frame the selected object"},
-    {Command::next_camera, key_of('c'), false, "C", "Next camera of the file"},
-    {Command::clear_selection, Key::escape, false, "Esc", "Select nothing"},
-    {Command::exposure_down, Key::left_bracket, false, "[", "Exposure down by 1/3 EV"},
-    {Command::exposure_up, Key::right_bracket, false, "]", "Exposure up by 1/3 EV"},
-    {Command::exposure_reset, Key::digit_0, false, "0", "Exposure 0 EV"},
-    {Command::next_tone_map, key_of('t'), false, "T", "Next tone map"},
-    {Command::toggle_panels, Key::tab, false, "Tab", "Show or hide the panels"},
-    {Command::toggle_help, kF1, false, "F1", "This help"},
-    {Command::open_file, key_of('o'), true, "Ctrl+O", "Type a file to open"},
-    {Command::save_png, key_of('s'), true, "Ctrl+S", "Save the image as PNG"},
-    {Command::save_exr, key_of('e'), true, "Ctrl+E", "Save the image as EXR"},
-    {Command::quit, key_of('q'), true, "Ctrl+Q", "Quit"},
+    {ViewerCommand::toggle_pause, Key::space, false, "Space", "Pause or resume"},
+    {ViewerCommand::restart, key_of('r'), false, "R", "Restart the image"},
+    {ViewerCommand::frame_all, Key::home, false, "Home", "Frame everything"},
+    {ViewerCommand::frame_selected, key_of('f'), false, "F", "Frame the selected object"},
+    {ViewerCommand::next_camera, key_of('c'), false, "C", "Next camera of the file"},
+    {ViewerCommand::clear_selection, Key::escape, false, "Esc", "Select nothing"},
+    {ViewerCommand::exposure_down, Key::left_bracket, false, "[", "Exposure down by 1/3 EV"},
+    {ViewerCommand::exposure_up, Key::right_bracket, false, "]", "Exposure up by 1/3 EV"},
+    {ViewerCommand::exposure_reset, Key::digit_0, false, "0", "Exposure 0 EV"},
+    {ViewerCommand::next_tone_map, key_of('t'), false, "T", "Next tone map"},
+    {ViewerCommand::toggle_panels, Key::tab, false, "Tab", "Show or hide the panels"},
+    {ViewerCommand::toggle_help, kF1, false, "F1", "This help"},
+    {ViewerCommand::open_file, key_of('o'), true, "Ctrl+O", "Type a file to open"},
+    {ViewerCommand::save_png, key_of('s'), true, "Ctrl+S", "Save the image as PNG"},
+    {ViewerCommand::save_exr, key_of('e'), true, "Ctrl+E", "Save the image as EXR"},
+    {ViewerCommand::quit, key_of('q'), true, "Ctrl+Q", "Quit"},
 };
 
 constexpr HelpLine kNavigation[] = {

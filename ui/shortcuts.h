@@ -9,7 +9,7 @@
 
 namespace talbot {
 
-enum class Command : uint8_t {
+enum class ViewerCommand : uint8_t {
     toggle_pause,
     restart,
     frame_all,
@@ -29,7 +29,7 @@ enum class Command : uint8_t {
 };
 
 struct Shortcut {
-    Command command;
+    ViewerCommand command;
     Key key;
     bool control = false;
     std::string_view keys;  // as shown
