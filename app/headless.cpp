@@ -10,6 +10,7 @@
 #include "app/exit_code.h"
 #include "app/run_record.h"
 #include "app/scene_setup.h"
+#include "app/viewer.h"
 #include "core/io/image_io.h"
 #include "core/session/session.h"
 
@@ -136,6 +137,11 @@ Status write_files(const Options& options, RenderSession& session, const Snapsho
     session.with_film([&](const Film& film) {
         if (!options.report.empty()) film_hash = film.hash();
     });
+    if (!options.screenshot.empty()) {
+        ScreenshotOptions window;
+        window.display = options.display;
+        return save_window_screenshot(session, window, options.screenshot);
+    }
     return Done{};
 }
 

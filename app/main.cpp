@@ -13,11 +13,16 @@
 #include "app/info.h"
 #include "app/options.h"
 #include "app/replay.h"
+#include "app/window.h"
 
 namespace talbot {
 namespace {
 
 constexpr uint64_t kFramesWithoutDisplay = 64;
+
+bool has_display() {
+    return std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
+}
 
 // Where a viewer was meant but no window can be: a picture, and where it is.
 int render_without_display(Options options, std::chrono::steady_clock::time_point start) {
@@ -39,8 +44,10 @@ int run(int argc, char** argv, std::chrono::steady_clock::time_point start) {
     set_log_level(options.log_level);
     if (options.command == Command::info) return run_info(options);
     if (options.pixel) return run_replay(options);
+    if (!options.interact.empty()) return run_script(options);
     if (options.headless() || !options.screenshot.empty()) return run_headless(options, start);
-    return render_without_display(options, start);
+    if (!has_display()) return render_without_display(options, start);
+    return run_window(options);
 }
 
 }  // namespace
