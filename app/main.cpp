@@ -29,7 +29,8 @@ int render_without_display(Options options, std::chrono::steady_clock::time_poin
     options.frames = kFramesWithoutDisplay;
     options.outputs = {(std::filesystem::current_path() / "talbot.png").string()};
     const int code = run_headless(options, start);
-    if (code == kExitDone) log_info("there is no display; the picture is " + options.outputs.front());
+    if (code == kExitDone)
+        log_info("there is no display; the picture is " + options.outputs.front());
     return code;
 }
 
