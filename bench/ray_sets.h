@@ -1,0 +1,183 @@
+// The scenes and rays of the ray benchmark. Rays are generated once, so that every engine gets the
+// same ones: primary: a pinhole, 1024 x 1024 in tiles of 8 x 8; ao: one cosine-weighted ray per
+// primary hit, a tenth of the diagonal long, any hit; diffuse: up to three cosine-weighted bounces
+// per pixel in path order, closest hit.
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "geometry_scenes.h"
+
+namespace talbot::bench {
+
+struct RaySets {
+    std::vector<Ray> primary;
+    std::vector<Ray> ao;
+    std::vector<Ray> diffuse;
+};
+
+struct View {
+    Vec3f eye{0};
+    Vec3f target{0};
+    float fov_degrees = 60;
+};
+
+struct BenchScene {
+    std::string name;
+    test::SceneData data;
+    View view;
+};
+
+// The world triangle behind a hit; only identity instances of triangle meshes.
+inline std::array<Vec3f, 3> hit_triangle(const test::SceneData& scene, const Hit& hit) {
+    return scene.meshes[scene.instances[hit.id.instance].mesh].triangle(hit.id.primitive);
+}
+
+inline std::vector<Ray> primary_rays(const View& view, uint32_t size) {
+    std::vector<Ray> rays;
+    rays.reserve(static_cast<size_t>(size) * size);
+    const Vec3f forward = normalize(view.target - view.eye);
+    const Vec3f right = normalize(cross(forward, Vec3f(0.01f, 1, 0.02f)));
+    const Vec3f up = cross(right, forward);
+    const float half = std::tan(view.fov_degrees * kPi / 360);
+    for (uint32_t tile = 0; tile < (size / 8) * (size / 8); ++tile) {
+        for (uint32_t k = 0; k < 64; ++k) {
+            const auto x = static_cast<float>((tile % (size / 8)) * 8 + k % 8);
+            const auto y = static_cast<float>((tile / (size / 8)) * 8 + k / 8);
+            const auto n = static_cast<float>(size);
+            Ray ray;
+            ray.o = view.eye;
+            ray.d = normalize(forward + half * ((2 * x + 1) / n - 1) * right +
+                              half * (1 - (2 * y + 1) / n) * up);
+            rays.push_back(ray);
+        }
+    }
+    return rays;
+}
+
+// A cosine-weighted ray from a hit, on the side that the ray came from, a little off the surface so
+// that engines without identity-based exclusion answer alike.
+inline Ray bounce(const test::SceneData& scene, const Ray& ray, const Hit& hit, float offset,
+                  test::Rng& rng) {
+    const auto tri = hit_triangle(scene, hit);
+    Vec3f n = normalize(cross(tri[1] - tri[0], tri[2] - tri[0]));
+    if (dot(n, ray.d) > 0) n = -n;
+    Ray next;
+    next.o = (1 - hit.u - hit.v) * tri[0] + hit.u * tri[1] + hit.v * tri[2] + offset * n;
+    next.d = normalize(n * 1.0001f + rng.direction());
+    return next;
+}
+
+inline RaySets make_ray_sets(const BenchScene& scene, const Accel& accel, uint32_t size) {
+    RaySets sets;
+    sets.primary = primary_rays(scene.view, size);
+    const float diagonal = length(accel.bounds().upper - accel.bounds().lower);
+    const float offset = 0x1p-17f * diagonal;
+    test::Rng rng(1);
+    for (const Ray& first : sets.primary) {
+        Ray ray = first;
+        Hit hit;
+        if (!accel.closest(ray, hit)) continue;
+        Ray ao = bounce(scene.data, ray, hit, offset, rng);
+        ao.t_max = 0.1f * diagonal;
+        sets.ao.push_back(ao);
+        for (int depth = 0; depth < 3; ++depth) {
+            ray = bounce(scene.data, ray, hit, offset, rng);
+            sets.diffuse.push_back(ray);
+            if (!accel.closest(ray, hit)) break;
+        }
+    }
+    return sets;
+}
+
+// A closed hall with fluted columns and bumpy walls, from which no ray escapes.
+inline test::MeshData hall() {
+    test::MeshData mesh;
+    const auto patch = [&mesh](uint32_t nu, uint32_t nv, const auto& point) {
+        const auto first = static_cast<uint32_t>(mesh.positions.size());
+        for (uint32_t i = 0; i <= nu; ++i) {
+            for (uint32_t j = 0; j <= nv; ++j) {
+                mesh.add_vertex(point(static_cast<float>(i) / static_cast<float>(nu),
+                                      static_cast<float>(j) / static_cast<float>(nv)));
+            }
+        }
+        for (uint32_t i = 0; i < nu; ++i) {
+            for (uint32_t j = 0; j < nv; ++j) {
+                const uint32_t a = first + i * (nv + 1) + j;
+                mesh.add_triangle(a, a + nv + 1, a + nv + 2);
+                mesh.add_triangle(a, a + nv + 2, a + 1);
+            }
+        }
+    };
+    const Vec3f size(40, 10, 20);
+    for (int axis = 0; axis < 3; ++axis) {
+        for (int side = 0; side < 2; ++side) {
+            patch(160, 120, [&](float u, float v) {
+                Vec3f p;
+                p[(axis + 1) % 3] = u * size[(axis + 1) % 3];
+                p[(axis + 2) % 3] = v * size[(axis + 2) % 3];
+                const bool rim = u == 0 || v == 0 || u == 1 || v == 1;
+                p[axis] = static_cast<float>(side) * size[axis];
+                if (!rim)
+                    p[axis] += (side != 0 ? 0.15f : -0.15f) * (1 + test::value_noise(2.0f * p));
+                return p;
+            });
+        }
+    }
+    for (int column = 0; column < 36; ++column) {
+        const Vec3f at(2.2f + 2.1f * static_cast<float>(column % 18), 0,
+                       column < 18 ? 5.0f : 15.0f);
+        patch(96, 30, [&](float u, float v) {
+            const float a = 2 * kPi * u;
+            const float r = 0.5f + 0.04f * std::cos(24 * a) - 0.1f * v;
+            return at + Vec3f(r * std::cos(a), 10 * v, r * std::sin(a));
+        });
+    }
+    return mesh;
+}
+
+// All scenes, or the one of that name.
+inline std::vector<BenchScene> bench_scenes(const std::string& only) {
+    using Maker = std::function<BenchScene()>;
+    const std::vector<std::pair<std::string, Maker>> makers = {
+        {"soup",
+         [] {
+             return BenchScene{"soup",
+                               test::scene_of(test::soup(1000000, 0.005f, 1)),
+                               {Vec3f(0.5f, 0.5f, 2), Vec3f(0.5f), 40}};
+         }},
+        {"sphere",
+         [] {
+             return BenchScene{"sphere",
+                               test::scene_of(test::displaced_sphere(289, 0.1f)),
+                               {Vec3f(0.5f, 1, 2.5f), Vec3f(0), 45}};
+         }},
+        {"city",
+         [] {
+             return BenchScene{"city",
+                               test::scene_of(test::city(20000, 1)),
+                               {Vec3f(-8, 25, -8), Vec3f(50, 0, 50), 60}};
+         }},
+        {"hall",
+         [] {
+             return BenchScene{
+                 "hall", test::scene_of(hall()), {Vec3f(3, 3, 9), Vec3f(35, 4, 11), 75}};
+         }},
+        {"cornell",
+         [] {
+             return BenchScene{
+                 "cornell", test::scene_of(test::cornell_box()), {Vec3f(0, 0, 3.6f), Vec3f(0), 40}};
+         }},
+    };
+    std::vector<BenchScene> scenes;
+    for (const auto& [name, make] : makers) {
+        if (only.empty() || only == name) scenes.push_back(make());
+    }
+    return scenes;
+}
+
+}  // namespace talbot::bench
