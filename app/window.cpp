@@ -2,25 +2,17 @@
 
 #include "app/exit_code.h"
 #include "app/interact.h"
-#include "app/scene_setup.h"
-#include "app/viewer.h"
+#include "app/viewer_options.h"
 
 namespace talbot {
 namespace {
 
-Result<ViewerOptions> viewer_options(const Options& options) {
+// Loads what the options ask for, on workers that end before the viewer's own start.
+Result<ViewerOptions> load_viewer(const Options& options) {
     WorkerPool pool(options.threads);
-    Result<SceneSetup> setup = set_up_scene(options, pool);
+    const Result<SceneSetup> setup = set_up_scene(options, pool);
     if (!setup) return setup.error();
-    ViewerOptions viewer;
-    viewer.scene = {setup->scene, setup->camera};
-    viewer.file = scene_path(options);
-    viewer.settings = setup->settings;
-    viewer.fixed_size = options.size.has_value();
-    viewer.display = options.display;
-    viewer.threads = options.threads;
-    viewer.pass_limit = options.frames.value_or(0);
-    return viewer;
+    return viewer_options(options, *setup);
 }
 
 int finish(const Status& status) {
@@ -32,13 +24,13 @@ int finish(const Status& status) {
 }  // namespace
 
 int run_window(const Options& options) {
-    const Result<ViewerOptions> viewer = viewer_options(options);
+    const Result<ViewerOptions> viewer = load_viewer(options);
     if (!viewer) return finish(viewer.error());
     return finish(run_viewer(*viewer));
 }
 
 int run_script(const Options& options) {
-    Result<ViewerOptions> viewer = viewer_options(options);
+    Result<ViewerOptions> viewer = load_viewer(options);
     if (!viewer) return finish(viewer.error());
     return finish(run_interaction({std::move(*viewer), options.interact, options.report}));
 }

@@ -109,7 +109,7 @@ ErrorEstimate::Prediction ErrorEstimate::seconds_to(double target_percent) const
         return prediction;
     }
     if (!(seconds_per_sample > 0)) return prediction;
-    const double goal = 1e-4 * target_percent * target_percent;
+    const double goal = (target_percent / 100) * (target_percent / 100);
     // The law falls for ever, so the logarithm of the number of samples can be bisected.
     constexpr double kMostDoublings = 60;
     const double now = static_cast<double>(samples);
