@@ -10,6 +10,7 @@
 #include <bit>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -257,7 +258,7 @@ std::vector<ErrorTracker::Mark> marks_after(const FilmFile& whole, const FilmFil
 
 Status save_film(const std::filesystem::path& path, const Film& film, const FilmMetadata& metadata,
                  const ErrorTracker::State& error) {
-    const std::string header = 
+    const std::string header =
         header_of(film, metadata, error).dump(-1, ' ', false, json::error_handler_t::replace);
     if (header.size() > kMaxHeaderBytes) return unwritable(path, "its settings are too long");
     std::vector<uint8_t> prefix(kPrefixBytes);
@@ -279,6 +280,12 @@ Status save_film(const std::filesystem::path& path, const Film& film, const Film
     for (const ErrorTracker::Mark& mark : error.marks) put(bytes_of(mark.film.pixels()));
     file.write(hash.digest());
     return file.commit();
+}
+
+bool is_film_file(const std::filesystem::path& path) {
+    char magic[sizeof kMagic] = {};
+    std::ifstream(path, std::ios::binary).read(magic, sizeof magic);
+    return std::memcmp(magic, kMagic, sizeof kMagic) == 0;
 }
 
 Result<FilmFile> load_film(const std::filesystem::path& path) {

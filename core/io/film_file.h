@@ -37,6 +37,9 @@ struct FilmFile {
 Status save_film(const std::filesystem::path& path, const Film& film, const FilmMetadata& metadata,
                  const ErrorTracker::State& error = {});
 
+// By the first bytes; false also for what cannot be opened.
+bool is_film_file(const std::filesystem::path& path);
+
 // Refuses anything that is truncated, altered or not a film.
 Result<FilmFile> load_film(const std::filesystem::path& path);
 
