@@ -8,9 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "app/compare.h"
 #include "app/exit_code.h"
 #include "app/headless.h"
 #include "app/info.h"
+#include "app/merge.h"
 #include "app/options.h"
 #include "app/replay.h"
 #include "app/window.h"
@@ -35,6 +37,10 @@ int render_without_display(Options options, std::chrono::steady_clock::time_poin
 }
 
 int run(int argc, char** argv, std::chrono::steady_clock::time_point start) {
+    const std::string command = argc > 1 ? argv[1] : "";
+    const std::vector<std::string> rest(argv + std::min(argc, 2), argv + argc);
+    if (command == "compare") return run_compare(rest);
+    if (command == "merge") return run_merge(rest);
     const Result<std::optional<Options>> parsed = parse_options(argc, argv);
     if (!parsed) {
         log_error(parsed.error().line());

@@ -2,17 +2,27 @@
 
 #include "app/exit_code.h"
 #include "app/interact.h"
-#include "app/viewer_options.h"
+#include "app/scene_setup.h"
+#include "app/viewer.h"
 
 namespace talbot {
 namespace {
 
-// Loads what the options ask for, on workers that end before the viewer's own start.
+// Loads what the options ask for, on workers that end before the viewer's own start. The image
+// follows the window unless --size was given.
 Result<ViewerOptions> load_viewer(const Options& options) {
     WorkerPool pool(options.threads);
     const Result<SceneSetup> setup = set_up_scene(options, pool);
     if (!setup) return setup.error();
-    return viewer_options(options, *setup);
+    ViewerOptions viewer;
+    viewer.scene = {setup->scene, setup->camera};
+    viewer.file = scene_path(options);
+    viewer.settings = setup->settings;
+    viewer.fixed_size = options.size.has_value();
+    viewer.display = options.display;
+    viewer.threads = options.threads;
+    viewer.pass_limit = options.frames.value_or(0);
+    return viewer;
 }
 
 int finish(const Status& status) {
