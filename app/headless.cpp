@@ -10,6 +10,8 @@
 #include "app/exit_code.h"
 #include "app/run_record.h"
 #include "app/scene_setup.h"
+#include "app/viewer.h"
+#include "core/io/film_file.h"
 #include "core/io/image_io.h"
 #include "core/session/session.h"
 
@@ -128,14 +130,72 @@ Status write_image(const std::string& file, const Snapshot& s, const DisplaySett
     return save_png(file, develop(*s.image, display), metadata);
 }
 
+// Two films may be merged when this text and the scene are the same.
+std::string sample_settings(const Snapshot& s) {
+    const Camera& c = s.camera;
+    const Environment& e = s.scene->environment();
+    std::string text = "depth " + std::to_string(s.settings.max_depth) + " sampler " +
+                       std::to_string(static_cast<int>(s.settings.sampler)) + " filter " +
+                       std::to_string(static_cast<int>(s.settings.filter)) + " roulette " +
+                       std::to_string(s.settings.russian_roulette) + " nee " +
+                       std::to_string(s.settings.next_event_estimation) + " environment " +
+                       (e.image ? e.image->sha256 : "none");
+    for (const double value : {c.position.x,
+                               c.position.y,
+                               c.position.z,
+                               c.right.x,
+                               c.right.y,
+                               c.right.z,
+                               c.up.x,
+                               c.up.y,
+                               c.up.z,
+                               c.yfov,
+                               c.xmag,
+                               c.ymag,
+                               c.aperture_radius,
+                               c.focus_distance,
+                               c.lens_shift.x,
+                               c.lens_shift.y,
+                               static_cast<double>(e.color.x),
+                               static_cast<double>(e.color.y),
+                               static_cast<double>(e.color.z),
+                               static_cast<double>(e.rotation_degrees),
+                               static_cast<double>(e.intensity)}) {
+        char number[40];
+        std::snprintf(number, sizeof(number), " %a", value);
+        text += number;
+    }
+    return text;
+}
+
+FilmMetadata film_metadata(const Snapshot& s) {
+    FilmMetadata metadata;
+    metadata.scene_sha256 = s.scene->sha256();
+    metadata.settings = sample_settings(s);
+    metadata.seed = s.settings.seed;
+    metadata.first_sample = s.settings.first_sample;
+    metadata.render_seconds = s.render_seconds;
+    metadata.transparent_background = s.settings.transparent_background;
+    metadata.nonfinite = s.nonfinite;
+    return metadata;
+}
+
 Status write_files(const Options& options, RenderSession& session, const Snapshot& s,
                    std::string& film_hash) {
     for (const std::string& output : options.outputs) {
         if (Status status = write_image(output, s, options.display); !status) return status;
     }
+    Status film_status = Done{};
     session.with_film([&](const Film& film) {
         if (!options.report.empty()) film_hash = film.hash();
+        if (!options.film.empty()) film_status = save_film(options.film, film, film_metadata(s));
     });
+    if (!film_status) return film_status;
+    if (!options.screenshot.empty()) {
+        ScreenshotOptions window;
+        window.display = options.display;
+        return save_window_screenshot(session, window, options.screenshot);
+    }
     return Done{};
 }
 

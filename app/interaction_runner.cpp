@@ -198,11 +198,12 @@ std::string InteractionRunner::expect(const ScriptStep& step) {
         std::string name;
         if (model.selected_object && model.scene)
             name = model.scene->objects()[*model.selected_object].name;
-        if (name != *step.selected)
-            return "\"" + name + "\" is selected, not \"" + *step.selected + "\"";
+        if (name != *step.selected) {
+            return "the selected object is '" + name + "', not '" + *step.selected + "'";
+        }
     }
     if (step.notice && loop_.notice().find(*step.notice) == std::string::npos) {
-        return "the message is \"" + loop_.notice() + "\", not \"" + *step.notice + "\"";
+        return "the message is '" + loop_.notice() + "', not '" + *step.notice + "'";
     }
     if (step.path.empty()) return {};
     const Result<ParameterInfo> info = parameter_info(model, step.path);
@@ -255,7 +256,8 @@ void InteractionRunner::randomly(const ScriptStep& step) {
         ScriptStep move;
         const PixelSize size = context_.size();
         move.in_window = true;
-        move.x = uniform(random, 0, size.width);
+        // Not on the left column, where buttons write files.
+        move.x = uniform(random, 0.35 * size.width, size.width);
         move.y = uniform(random, 0, size.height);
         switch (below(random, 8)) {
             case 0:

@@ -8,27 +8,39 @@
 #include <string>
 #include <vector>
 
+#include "app/compare.h"
 #include "app/exit_code.h"
 #include "app/headless.h"
 #include "app/info.h"
+#include "app/merge.h"
 #include "app/options.h"
 #include "app/replay.h"
+#include "app/window.h"
 
 namespace talbot {
 namespace {
 
 constexpr uint64_t kFramesWithoutDisplay = 64;
 
+bool has_display() {
+    return std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
+}
+
 // Where a viewer was meant but no window can be: a picture, and where it is.
 int render_without_display(Options options, std::chrono::steady_clock::time_point start) {
     options.frames = kFramesWithoutDisplay;
     options.outputs = {(std::filesystem::current_path() / "talbot.png").string()};
     const int code = run_headless(options, start);
-    if (code == kExitDone) log_info("there is no display; the picture is " + options.outputs.front());
+    if (code == kExitDone)
+        log_info("there is no display; the picture is " + options.outputs.front());
     return code;
 }
 
 int run(int argc, char** argv, std::chrono::steady_clock::time_point start) {
+    const std::string command = argc > 1 ? argv[1] : "";
+    const std::vector<std::string> rest(argv + std::min(argc, 2), argv + argc);
+    if (command == "compare") return run_compare(rest);
+    if (command == "merge") return run_merge(rest);
     const Result<std::optional<Options>> parsed = parse_options(argc, argv);
     if (!parsed) {
         log_error(parsed.error().line());
@@ -39,8 +51,10 @@ int run(int argc, char** argv, std::chrono::steady_clock::time_point start) {
     set_log_level(options.log_level);
     if (options.command == Command::info) return run_info(options);
     if (options.pixel) return run_replay(options);
+    if (!options.interact.empty()) return run_script(options);
     if (options.headless() || !options.screenshot.empty()) return run_headless(options, start);
-    return render_without_display(options, start);
+    if (!has_display()) return render_without_display(options, start);
+    return run_window(options);
 }
 
 }  // namespace

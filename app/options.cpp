@@ -1,8 +1,10 @@
 #include "app/options.h"
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace talbot {
 namespace {
@@ -14,6 +16,7 @@ constexpr uint32_t kMaxSide = 65535;
 struct RawOptions {
     std::string size, orbit, tone_map, background = "environment", sampler, filter, pixel,
                                        effects = "auto", log = "info";
+    std::string frames, seed, first_sample, threads, max_depth, tile_size, sample;
     double exposure = 0;
     bool quiet = false;
     bool no_roulette = false;
@@ -69,6 +72,45 @@ Result<std::vector<double>> parse_numbers(const std::string& text, const std::st
     return numbers;
 }
 
+// A whole number from 0 up to `most`; empty text leaves the value alone.
+template <typename T>
+Status set_whole(const std::string& text, const std::string& option, uint64_t most, T& value) {
+    if (text.empty()) return Done{};
+    uint64_t number = 0;
+    const char* end = text.data() + text.size();
+    const auto [stop, code] = std::from_chars(text.data(), end, number);
+    if (code != std::errc{} || stop != end || number > most) {
+        return usage(option,
+                     "'" + text + "' is not a whole number from 0 to " + std::to_string(most));
+    }
+    value = static_cast<T>(number);
+    return Done{};
+}
+
+Status convert_whole_numbers(const RawOptions& raw, Options& o) {
+    constexpr uint64_t kMost64 = std::numeric_limits<uint64_t>::max();
+    constexpr uint64_t kMostSamples = uint64_t{1} << 53;
+    uint64_t frames = 0;
+    if (Status s = set_whole(raw.frames, "--frames", kMostSamples, frames); !s) return s;
+    if (!raw.frames.empty()) {
+        if (frames == 0) return usage("--frames", "must be at least 1");
+        o.frames = frames;
+    }
+    if (Status s = set_whole(raw.seed, "--seed", kMost64, o.render.seed); !s) return s;
+    if (Status s =
+            set_whole(raw.first_sample, "--first-sample", kMostSamples, o.render.first_sample);
+        !s)
+        return s;
+    if (Status s = set_whole(raw.sample, "--sample", kMostSamples, o.sample); !s) return s;
+    if (Status s = set_whole(raw.threads, "--threads", 1024, o.threads); !s) return s;
+    if (Status s = set_whole(raw.max_depth, "--max-depth", 1 << 20, o.render.max_depth); !s)
+        return s;
+    if (Status s = set_whole(raw.tile_size, "--tile-size", kMaxSide, o.render.tile_size); !s)
+        return s;
+    if (o.render.tile_size == 0) return usage("--tile-size", "must be at least 1");
+    return Done{};
+}
+
 Result<Resolution> parse_size(const std::string& text) {
     unsigned long long width = 0;
     unsigned long long height = 0;
@@ -90,7 +132,7 @@ Result<Resolution> parse_size(const std::string& text) {
 void declare(CLI::App& app, Options& o, RawOptions& raw) {
     app.add_option("SCENE", o.scene_file,
                    "glTF scene (.gltf or .glb); without it the built-in scene");
-    app.add_option("--frames", o.frames, "headless: N passes of one sample per pixel, then exit");
+    app.add_option("--frames", raw.frames, "headless: N passes of one sample per pixel, then exit");
     app.add_option("--time", o.time_seconds, "headless: stop at this wall-clock budget in seconds");
     app.add_option(
         "--target-error", o.target_error_percent,
@@ -104,9 +146,9 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
     app.add_option("--report", o.report, "JSON run record");
     app.add_option("--film", o.film, "write the raw film, for `talbot merge`");
     app.add_option("--size", raw.size, "image size WxH; default the camera's, else 960x540");
-    app.add_option("--threads", o.threads, "worker threads; default all cores");
-    app.add_option("--seed", o.render.seed, "seed of the random numbers");
-    app.add_option("--first-sample", o.render.first_sample, "sample indices start here");
+    app.add_option("--threads", raw.threads, "worker threads; default all cores");
+    app.add_option("--seed", raw.seed, "seed of the random numbers");
+    app.add_option("--first-sample", raw.first_sample, "sample indices start here");
     app.add_option("--camera", o.camera, "camera of the file, by name or index");
     app.add_option("--orbit", raw.orbit,
                    "camera X,Y,Z,THETA,PHI,RADIUS,FOVY: target, angles in degrees, vertical fov");
@@ -120,25 +162,24 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
     app.add_option("--exposure", raw.exposure, "exposure in EV");
     app.add_option("--tone-map", raw.tone_map, names_of(kToneMaps));
     app.add_option("--background", raw.background, "environment or transparent");
-    app.add_option("--max-depth", o.render.max_depth, "most scattering events on a path");
+    app.add_option("--max-depth", raw.max_depth, "most scattering events on a path");
     app.add_option("--sampler", raw.sampler, names_of(kSamplers));
     app.add_option("--filter", raw.filter, names_of(kFilters));
     app.add_flag("--no-roulette", raw.no_roulette,
                  "follow every path to its end or to --max-depth");
     app.add_flag("--no-nee", raw.no_nee, "no next-event estimation: find lights by chance only");
-    app.add_option("--tile-size", o.render.tile_size,
-                   "pixels a side of a work tile; changes no pixel");
+    app.add_option("--tile-size", raw.tile_size, "pixels a side of a work tile; changes no pixel");
     app.add_option("--effects", raw.effects, "auto, all, or a list of effects to force on");
     app.add_option("--pixel", raw.pixel,
                    "X,Y: replay one sample of one pixel with a log of its steps");
-    app.add_option("--sample", o.sample, "the sample index that --pixel replays");
+    app.add_option("--sample", raw.sample, "the sample index that --pixel replays");
     app.add_flag("--strict", o.strict, "fail when any sample was not finite");
     app.add_flag("--json", o.json, "info: print JSON");
     app.add_flag("--quiet", raw.quiet, "errors only");
     app.add_option("--log", raw.log, "error, warning, info or debug");
     app.set_version_flag("--version", "talbot " TALBOT_VERSION);
     app.footer(
-        "Commands: talbot info SCENE, talbot compare A B, talbot merge OUT IN...\n"
+        "Commands: talbot info SCENE [--json], talbot compare A B, talbot merge OUT IN...\n"
         "Exit codes: 0 done, 1 failed, 2 usage, 3 bad input file, 4 cannot write, 130 "
         "interrupted.");
 }
@@ -191,19 +232,16 @@ Status convert_numbers(const RawOptions& raw, Options& o) {
     if (!positive(o.time_seconds)) return usage("--time", "must be above 0 seconds");
     if (!positive(o.target_error_percent))
         return usage("--target-error", "must be above 0 per cent");
-    if (o.frames && *o.frames == 0) return usage("--frames", "must be at least 1");
     if (!std::isfinite(raw.exposure) || std::abs(raw.exposure) > 64)
         return usage("--exposure", "must lie between -64 and 64 EV");
     if (!std::isfinite(o.environment_rotation))
         return usage("--environment-rotation", "must be a finite angle");
-    if (o.threads > 1024) return usage("--threads", "must be at most 1024");
-    if (o.render.tile_size == 0 || o.render.tile_size > kMaxSide)
-        return usage("--tile-size", "must lie between 1 and 65535");
     o.display.exposure_ev = static_cast<float>(raw.exposure);
     return Done{};
 }
 
 Status convert(const RawOptions& raw, Options& o) {
+    if (Status s = convert_whole_numbers(raw, o); !s) return s;
     if (Status s = convert_numbers(raw, o); !s) return s;
     if (Status s = set_from_table(raw.tone_map, "--tone-map", kToneMaps, &ToneMapInfo::tone_map,
                                   o.display.tone_map);

@@ -50,6 +50,12 @@ const std::array<ActionInfo, 20>& actions() {
     return table;
 }
 
+std::string in_quotes(std::string_view text) {
+    std::string result(1, '"');
+    result.append(text).append(1, '"');
+    return result;
+}
+
 constexpr unsigned kMostFrames = 1000000;
 
 // Reads one line's keys; the first thing that is wrong is kept.
@@ -124,7 +130,7 @@ class LineReader {
 void check_keys(LineReader& reader, const Json& object, const ActionInfo& info) {
     for (const std::string_view key : info.required) {
         if (!reader.has(std::string(key).c_str())) {
-            reader.fail(std::string(key), "\"" + std::string(info.name) + "\" needs this key");
+            reader.fail(std::string(key), in_quotes(info.name) + " needs this key");
         }
     }
     const auto is_in = [](const std::vector<std::string_view>& keys, const std::string& key) {
@@ -132,7 +138,7 @@ void check_keys(LineReader& reader, const Json& object, const ActionInfo& info) 
     };
     for (const auto& [key, ignored] : object.items()) {
         if (key == "do" || is_in(info.required, key) || is_in(info.optional, key)) continue;
-        reader.fail(key, "\"" + std::string(info.name) + "\" has no such key");
+        reader.fail(key, in_quotes(info.name) + " has no such key");
     }
 }
 
@@ -156,7 +162,7 @@ void read_keys(LineReader& reader, ScriptStep& step) {
         if (const std::optional<Key> key = key_from_name(name))
             step.key = *key;
         else
-            reader.fail("key", "there is no key named \"" + name + "\"");
+            reader.fail("key", "there is no key named " + in_quotes(name));
     }
     if (!reader.has("modifiers")) return;
     if (!reader.json("modifiers").is_array())
@@ -224,7 +230,7 @@ Result<ScriptStep> parse_line(std::string_view text, const std::string& where) {
     const auto info = std::find_if(actions().begin(), actions().end(),
                                    [&](const ActionInfo& action) { return action.name == name; });
     if (info == actions().end()) {
-        reader.fail("do", "there is no action \"" + name + "\"");
+        reader.fail("do", "there is no action " + in_quotes(name));
         return reader.error();
     }
     ScriptStep step;
@@ -284,7 +290,7 @@ Result<ParameterValue> script_value(const ParameterInfo& info, const std::vector
                 return value;
             }
         }
-        return wrong("there is no choice \"" + text + "\"");
+        return wrong("there is no choice " + in_quotes(text));
     }
     const std::size_t wanted = static_cast<std::size_t>(component_count(info.kind));
     // A colour without its alpha stays opaque.

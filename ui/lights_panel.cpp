@@ -19,10 +19,15 @@ const char* kind_name(PunctualKind kind) {
     return "";
 }
 
-bool edit_gradient_color(const char* label, const char* id, Rgb& color) {
-    begin_row(label);
-    return ImGui::ColorEdit3(id, &color.x,
-                             ImGuiColorEditFlags_Float | ImGuiColorEditFlags_NoOptions);
+bool edit_gradient_color(std::string_view label, std::string_view name, Rgb& color) {
+    ParameterInfo info = find_parameter(environment_parameters(), "color")->info;
+    info.label = label;
+    info.name = name;
+    info.note = {};
+    ParameterValue value{color.x, color.y, color.z};
+    if (!edit_parameter(info, value)) return false;
+    color = Rgb(Vec3d(value[0], value[1], value[2]));
+    return true;
 }
 
 bool draw_environment(Environment& environment) {
@@ -36,8 +41,8 @@ bool draw_environment(Environment& environment) {
         ImGui::TextWrapped("%s", name.c_str());
         text_row("", "%u \xC3\x97 %u px", image.width, image.height);
     } else if (environment.gradient) {
-        changed |= edit_gradient_color("From", "##from", environment.gradient->from);
-        changed |= edit_gradient_color("To", "##to", environment.gradient->to);
+        changed |= edit_gradient_color("From", "from", environment.gradient->from);
+        changed |= edit_gradient_color("To", "to", environment.gradient->to);
     } else {
         changed |= edit_named(environment_parameters(), "color", environment);
     }

@@ -13,7 +13,7 @@ namespace talbot {
 namespace {
 
 // Share of a panel's width that labels take.
-constexpr float kLabelShare = 0.42f;
+constexpr float kLabelShare = 0.43f;
 
 void show_tooltip(std::string_view text) {
     if (text.empty() || !ImGui::IsItemHovered()) return;
@@ -79,21 +79,32 @@ bool edit_integer(const ParameterInfo& info, const char* id, double& value) {
     return true;
 }
 
-// Colours are linear; the swatch shows them encoded, as the image does.
+// Numbers, and a swatch that opens a picker. Colours are linear; the swatch shows them as they are.
 bool edit_color(const ParameterInfo& info, const char* id, ParameterValue& value) {
     const int count = component_count(info.kind);
-    float shown[4] = {};
+    float shown[4] = {0, 0, 0, 1};
     bool bright = false;
     for (int i = 0; i < count; ++i) {
         shown[i] = static_cast<float>(value[static_cast<std::size_t>(i)]);
         bright |= i < 3 && shown[i] > 1;
     }
-    ImGuiColorEditFlags flags = ImGuiColorEditFlags_Float | ImGuiColorEditFlags_DisplayRGB |
-                                ImGuiColorEditFlags_InputRGB | ImGuiColorEditFlags_NoOptions;
+    const float spacing = ImGui::GetStyle().ItemInnerSpacing.x;
+    const float swatch = ImGui::GetFrameHeight();
+    const float lower = static_cast<float>(info.lower);
+    const float upper = static_cast<float>(info.upper);
+    constexpr float kSpeed = 1.0f / 256;
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - swatch - spacing);
+    bool edited = ImGui::DragScalarN(id, ImGuiDataType_Float, shown, count, kSpeed, &lower, &upper,
+                                     "%.2f", ImGuiSliderFlags_AlwaysClamp);
+    ImGui::SameLine(0, spacing);
+    ImGuiColorEditFlags flags =
+        ImGuiColorEditFlags_Float | ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoOptions;
     if (info.upper > 1 && bright) flags |= ImGuiColorEditFlags_HDR;
-    const bool edited =
-        count == 4 ? ImGui::ColorEdit4(id, shown, flags | ImGuiColorEditFlags_AlphaPreviewHalf)
-                   : ImGui::ColorEdit3(id, shown, flags);
+    ImGui::PushID(id);
+    edited |= count == 4 ? ImGui::ColorEdit4("##picker", shown,
+                                             flags | ImGuiColorEditFlags_AlphaPreviewHalf)
+                         : ImGui::ColorEdit3("##picker", shown, flags);
+    ImGui::PopID();
     if (!edited) return false;
     for (int i = 0; i < count; ++i) {
         value[static_cast<std::size_t>(i)] =

@@ -57,7 +57,7 @@ void apply_style(float scale) {
     style.ItemInnerSpacing = ImVec2(6, 4);
     style.ScrollbarSize = 12;
     style.ScrollbarRounding = 6;
-    style.GrabMinSize = 9;
+    style.GrabMinSize = 5;
 
     const auto grey = [](float level, float alpha = 1) {
         return ImVec4(level, level, level * 1.03f, alpha);
@@ -75,7 +75,7 @@ void apply_style(float scale) {
     c[ImGuiCol_FrameBgHovered] = grey(0.26f);
     c[ImGuiCol_FrameBgActive] = grey(0.30f);
     c[ImGuiCol_CheckMark] = accent;
-    c[ImGuiCol_SliderGrab] = grey(0.50f);
+    c[ImGuiCol_SliderGrab] = grey(0.44f);
     c[ImGuiCol_SliderGrabActive] = accent;
     c[ImGuiCol_Button] = grey(0.24f);
     c[ImGuiCol_ButtonHovered] = grey(0.31f);

@@ -6,7 +6,7 @@ struct ImFont;
 namespace talbot {
 
 inline constexpr float kFontSize = 14;
-inline constexpr float kSidePanelWidth = 332;
+inline constexpr float kSidePanelWidth = 348;
 inline constexpr float kStatusBarHeight = 28;
 
 // Sets colours, spacing and fonts of the current ImGui context for a content scale.

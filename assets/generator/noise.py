@@ -12,11 +12,11 @@ class Noise:
         self.cells_x, self.cells_y, self.height = cells_x, cells_y, height
         self.gradients = [[(cos(a), sin(a)) for a in (2 * pi * random.random() for _ in range(cells_x))]
                           for _ in range(cells_y)]
-        self.columns = []
+        self.columns = [[] for _ in range(cells_x)]  # (place in the cell, fade) of the texels of each cell
         for x in range(width):
             place = (x + 0.5) * cells_x / width
             cell = int(place)
-            self.columns.append((cell, place - cell, _fade(place - cell)))
+            self.columns[cell].append((place - cell, _fade(place - cell)))
 
     def row(self, y):
         place = (y + 0.5) * self.cells_y / self.height
@@ -27,12 +27,13 @@ class Noise:
         # For a fixed y each corner contributes slope * (distance in x) + level.
         slopes = [a[0] + (b[0] - a[0]) * blend for a, b in zip(upper, lower)]
         levels = [a[1] * fraction * (1 - blend) + b[1] * (fraction - 1) * blend for a, b in zip(upper, lower)]
-        cells = list(zip(slopes, levels, slopes[1:] + slopes[:1], levels[1:] + levels[:1]))
         result = []
-        for index, x, fade in self.columns:
-            slope0, level0, slope1, level1 = cells[index]
-            left = slope0 * x + level0
-            result.append(left + (slope1 * (x - 1.0) + level1 - left) * fade)
+        for cell, texels in enumerate(self.columns):
+            slope, level = slopes[cell], levels[cell]
+            after = (cell + 1) % self.cells_x
+            # From the left corner's plane to the right one's, whose distance counts from the cell's far side.
+            rise, step = slopes[after] - slope, levels[after] - slopes[after] - level
+            result += [slope * x + level + (rise * x + step) * fade for x, fade in texels]
         return result
 
 
@@ -49,4 +50,4 @@ class Fbm:
 
     def row(self, y):
         rows = [[weight * v for v in noise.row(y)] for weight, noise in self.octaves]
-        return [sum(values) for values in zip(*rows)] if len(rows) > 1 else rows[0]
+        return [sum(values) for values in zip(*rows)]

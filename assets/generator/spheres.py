@@ -50,7 +50,7 @@ def build(document):
     glass = document.material("glass", (1.0, 1.0, 1.0), roughness=0.0, ior=1.5, transmission=1.0, thickness=2.0)
     ground = document.material("ground", (0.5, 0.5, 0.5), lambert=True)
     brown = document.material("brown", (0.4, 0.2, 0.1), lambert=True)
-    mirror = document.material("bronze mirror", (0.7, 0.6, 0.5), metallic=1.0, roughness=0.0)
+    mirror = document.material("bronze mirror", (0.82, 0.62, 0.42), metallic=1.0, roughness=0.0)
     document.sphere("ground", (0.0, -GROUND_RADIUS, 0.0), GROUND_RADIUS, ground)
     big = (("brown", -4.0, brown), ("glass", 0.0, glass), ("mirror", 4.0, mirror))
     placed = []
@@ -72,6 +72,6 @@ def build(document):
         else:
             kind, material = "glass", glass
         document.sphere(f"{kind} ball {len(placed) - len(big)}", centre, SMALL_RADIUS, material)
-    document.environment(color=(0.7, 0.8, 1.0))
+    document.environment(color=(0.75, 0.86, 1.0))
     document.camera("camera", (13.0, 2.0, 3.0), (0.0, 0.0, 0.0), 20 * pi / 180, (960, 540), lens=(0.05, 10.0))
     document.camera("overview", (0.0, 9.0, 16.0), (0.0, 0.0, 0.0), 40 * pi / 180, (960, 540))

@@ -10,20 +10,24 @@ WALNUT = ((0.0, (0.012, 0.006, 0.003)), (0.25, (0.055, 0.026, 0.012)), (0.5, (0.
           (0.75, (0.225, 0.122, 0.058)), (1.0, (0.36, 0.21, 0.105)))
 
 
-def planks(size, count, seed):
-    """Boards along u with arched growth rings, fibres, pores and thin gaps: base colour, roughness, normal."""
+def planks(width, height, count, seed):
+    """Boards along u with arched growth rings, fibres, pores and thin gaps: base colour, roughness, normal.
+
+    The grain runs along u, so that texels may be long: for a square tile, width can be half of height.
+    """
     random = Random(seed)
-    warp = Fbm(seed, 2, 8, size, size, 3)
-    fibre = Fbm(seed + 1, 12, 180, size, size, 2, 0.7)
-    pores = Noise(seed + 2, 64, 400, size, size)
-    clouds = Fbm(seed + 3, 3, 5, size, size, 4)
+    warp = Fbm(seed, 2, 8, width, height, 3)
+    fibre = Fbm(seed + 1, 12, 180, width, height, 2, 0.7)
+    pores = Noise(seed + 2, 64, 400, width, height)
+    clouds = Fbm(seed + 3, 3, 5, width, height, 4)
     boards = [{"heart": random.uniform(-0.4, 1.4), "turn": random.random() * 2 * pi,
                "depth": random.uniform(0.25, 0.9), "tone": random.uniform(-0.13, 0.13),
                "rings": random.uniform(13, 22)} for _ in range(count)]
-    waves = [2 * pi * x / size for x in range(size)]
-    colour, rough, height = [], [], []
-    for y in range(size):
-        place = y * count / size
+    waves = [2 * pi * x / width for x in range(width)]
+    late_wood = [smoothstep(0.25, 0.92, t / 255) * (1.0 - smoothstep(0.93, 1.0, t / 255)) for t in range(256)]
+    colour, rough, relief = [], [], []
+    for y in range(height):
+        place = y * count / height
         board = boards[int(place)]
         across = place - int(place)
         gap = smoothstep(0.0, 0.014, min(across, 1 - across))
@@ -33,16 +37,15 @@ def planks(size, count, seed):
             reach = board["depth"] * (1.0 + 0.6 * sin(angle + board["turn"]))
             d = base + 0.16 * w
             phase = (sqrt(d * d + reach * reach) + 0.012 * f) * board["rings"]
-            t = phase - int(phase)
-            late = smoothstep(0.25, 0.92, t) * (1.0 - smoothstep(0.93, 1.0, t))
-            pore = smoothstep(0.22, 0.45, p) * (0.35 + 0.65 * late)
-            tone = 0.62 + board["tone"] + 0.26 * c - 0.24 * late + 0.16 * f - 0.26 * pore
+            late = late_wood[int(phase % 1.0 * 256)]
+            pore = smoothstep(0.22, 0.45, p) * (0.35 + 0.65 * late) if p > 0.22 else 0.0
+            tone = 0.70 + board["tone"] + 0.26 * c - 0.24 * late + 0.16 * f - 0.26 * pore
             line[0].append(tone * (0.25 + 0.75 * gap))
             line[1].append(0.30 + 0.10 * c - 0.05 * late + 0.22 * pore + 0.3 * (1 - gap))
             line[2].append(1.5 * gap - 0.30 * pore + 0.10 * f - 0.10 * late)
-        for field, row in zip((colour, rough, height), line):
+        for field, row in zip((colour, rough, relief), line):
             field.append(row)
-    return ramp_png(colour, WALNUT), roughness_png(rough[::2] if size > 512 else rough), normal_png(height, 1.1)
+    return ramp_png(colour, WALNUT), roughness_png(rough[::2]), normal_png(relief, 1.1, step_x=height / width)
 
 
 def plaster(size, seed, stops):
@@ -67,7 +70,7 @@ def peel(size, seed):
         rows = list(zip(pits.row(y), fine.row(y), mottle.row(y)))
         colour.append([0.72 + 0.45 * m - 0.5 * max(0.0, p - 0.12) for p, _, m in rows])
         height.append([-max(0.0, p + 0.05) * 1.6 + 0.3 * f + 0.8 * m for p, f, m in rows])
-    return (ramp_png(colour, ((0.0, (0.62, 0.42, 0.30)), (0.5, (0.85, 0.74, 0.62)), (1.0, (1.0, 1.0, 1.0))), 64),
+    return (ramp_png(colour, ((0.0, (0.76, 0.60, 0.42)), (0.5, (0.88, 0.80, 0.68)), (1.0, (1.0, 1.0, 1.0))), 64),
             normal_png(height, 1.5))
 
 

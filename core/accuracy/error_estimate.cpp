@@ -109,7 +109,7 @@ ErrorEstimate::Prediction ErrorEstimate::seconds_to(double target_percent) const
         return prediction;
     }
     if (!(seconds_per_sample > 0)) return prediction;
-    const double goal = 1e-4 * target_percent * target_percent;
+    const double goal = (target_percent / 100) * (target_percent / 100);
     // The law falls for ever, so the logarithm of the number of samples can be bisected.
     constexpr double kMostDoublings = 60;
     const double now = static_cast<double>(samples);
@@ -132,51 +132,68 @@ ErrorEstimate::Prediction ErrorEstimate::seconds_to(double target_percent) const
     return prediction;
 }
 
-void ErrorTracker::reset(float exposure_ev) {
+void ErrorTracker::reset(float exposure_ev, uint64_t first_sample) {
     *this = ErrorTracker();
-    exposure_ev_ = exposure_ev;
+    state_.exposure_ev = exposure_ev;
+    state_.first_sample = first_sample;
 }
 
 void ErrorTracker::observe(const Film& film, uint64_t passes, double render_seconds,
                            WorkerPool* pool) {
-    if (!std::has_single_bit(passes) || film.pixels().empty()) return;
-    const bool doubled = half_samples_ * 2 == passes && half_.size() == film.pixels().size();
-    if (!doubled) half_.assign(film.pixels().size(), Rgb(0));
-    const OctaveStatistics statistics =
-        compare_octave(film, half_, metric_constant(static_cast<double>(exposure_ev_)), pool);
-    const double half_seconds = half_seconds_;
-    half_samples_ = passes;
-    half_seconds_ = render_seconds;
-    if (!doubled) {
-        // The first of all, or a gap: nothing to compare with before the next power of two.
-        estimate_ = ErrorEstimate();
-        block_errors_.clear();
-        return;
+    if (film.pixels().empty() || passes == 0) return;
+    if (state_.first_sample > 0 && std::has_single_bit(state_.first_sample + passes)) {
+        state_.marks.push_back({state_.first_sample + passes, render_seconds, film});
     }
+    if (!std::has_single_bit(passes)) return;
+    const bool doubled =
+        state_.half_samples * 2 == passes && state_.half.size() == film.pixels().size();
+    if (doubled) {
+        state_.last =
+            compare_octave(film, state_.half,
+                           metric_constant(static_cast<double>(state_.exposure_ev)), pool);
+        state_.octaves.push_back(
+            {passes, render_seconds, state_.last.difference, state_.last.standard_error});
+        state_.seconds_per_sample = std::max(0.0, render_seconds - state_.half_seconds) /
+                                    static_cast<double>(passes - passes / 2);
+    } else {
+        // The first of all, or a gap: nothing to compare with before the next power of two.
+        state_.half = film.image(false).rgb;
+        state_.octaves.clear();
+        state_.last = OctaveStatistics();
+    }
+    state_.half_samples = passes;
+    state_.half_seconds = render_seconds;
+    derive();
+}
 
+// Everything that follows from the state.
+void ErrorTracker::derive() {
+    estimate_ = ErrorEstimate();
+    block_errors_.clear();
+    if (state_.octaves.empty()) return;
     ErrorEstimate& e = estimate_;
-    e.octaves.push_back({passes, render_seconds, statistics.difference, statistics.standard_error});
+    e.octaves = state_.octaves;
     e.fit = fit_convergence(e.octaves);
     e.valid = true;
     e.exponent = e.fit.exponent;
     e.exponent_standard_error = e.fit.exponent_sd;
-    e.samples = passes;
-    e.seconds = render_seconds;
-    e.seconds_per_sample =
-        std::max(0.0, render_seconds - half_seconds) / static_cast<double>(passes - passes / 2);
+    e.samples = state_.half_samples;
+    e.seconds = state_.half_seconds;
+    e.seconds_per_sample = state_.seconds_per_sample;
     e.seconds_exponent = e.exponent * samples_growth(e);
-    e.top_share = statistics.top_share;
-    e.tail_index = statistics.tail_index;
-    e.energy_drift = statistics.energy_drift;
+    e.top_share = state_.last.top_share;
+    e.tail_index = state_.last.tail_index;
+    e.energy_drift = state_.last.energy_drift;
     set_interval(e, e.fit.v, e.fit.log_v_sd);
     judge(e);
 
-    const double share = statistics.difference > 0 ? e.fit.v / statistics.difference : 0;
-    block_errors_.resize(statistics.blocks.size());
-    for (std::size_t i = 0; i < block_errors_.size(); ++i) {
-        block_errors_[i] =
-            static_cast<float>(percent(share * static_cast<double>(statistics.blocks[i])));
+    const double share = state_.last.difference > 0 ? e.fit.v / state_.last.difference : 0;
+    block_errors_.reserve(state_.last.blocks.size());
+    for (const float difference : state_.last.blocks) {
+        block_errors_.push_back(
+            static_cast<float>(percent(share * static_cast<double>(difference))));
     }
+    if (block_errors_.empty()) return;
     std::vector<float> sorted = block_errors_;
     const std::size_t rank = sorted.size() - 1 - sorted.size() / 100;
     std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(rank),
@@ -203,17 +220,9 @@ ErrorEstimate ErrorTracker::at(uint64_t passes, double render_seconds) const {
     return e;
 }
 
-ErrorTracker::State ErrorTracker::state() const {
-    return {exposure_ev_, half_samples_, half_seconds_, half_, block_errors_, estimate_};
-}
-
 void ErrorTracker::restore(State state) {
-    exposure_ev_ = state.exposure_ev;
-    half_samples_ = state.half_samples;
-    half_seconds_ = state.half_seconds;
-    half_ = std::move(state.half);
-    block_errors_ = std::move(state.block_errors);
-    estimate_ = std::move(state.estimate);
+    state_ = std::move(state);
+    derive();
 }
 
 }  // namespace talbot

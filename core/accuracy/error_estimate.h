@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/accuracy/convergence_fit.h"
+#include "core/accuracy/octave_statistics.h"
 #include "core/base/worker_pool.h"
 #include "core/film/film.h"
 #include "core/film/image.h"
@@ -65,8 +66,31 @@ struct ErrorEstimate {
 // Follows a film through its powers of two.
 class ErrorTracker {
   public:
-    // Forgets everything; exposure in EV scales the metric's constant.
-    void reset(float exposure_ev);
+    // The film as it was after samples [first_sample, samples); kept by a part of a render at
+    // powers of two that it passes.
+    struct Mark {
+        uint64_t samples = 0;
+        double seconds = 0;
+        Film film;
+    };
+    // All that it knows; what a checkpoint keeps, so that a resumed run goes on as if it had never
+    // stopped.
+    struct State {
+        float exposure_ev = 0;
+        uint64_t first_sample = 0;
+        uint64_t half_samples = 0;  // the last power of two
+        double half_seconds = 0;
+        double seconds_per_sample = 0;
+        std::vector<Rgb> half;  // the image there
+        std::vector<Octave> octaves;
+        OctaveStatistics last;
+        std::vector<Mark> marks;  // only with a first_sample
+    };
+
+    // Forgets everything. Exposure in EV scales the metric's constant. With a first_sample the film
+    // is one part of a render, and marks are kept, from which merging can compute the octaves of
+    // the whole.
+    void reset(float exposure_ev, uint64_t first_sample = 0);
 
     // To be called after every whole pass. Costs a film scan at powers of two, nothing otherwise. A
     // pool shortens the scan and changes no figure.
@@ -82,25 +106,15 @@ class ErrorTracker {
     // Per 8x8 block: estimated relRMSE in per cent, row by row; empty before the first octave.
     const std::vector<float>& block_errors() const { return block_errors_; }
 
-    // What a checkpoint keeps, so that a resumed run goes on as if it had never stopped.
-    struct State {
-        float exposure_ev = 0;
-        uint64_t half_samples = 0;
-        double half_seconds = 0;
-        std::vector<Rgb> half;
-        std::vector<float> block_errors;
-        ErrorEstimate estimate;
-    };
-    State state() const;
+    const State& state() const { return state_; }
     void restore(State state);
 
   private:
-    float exposure_ev_ = 0;
-    uint64_t half_samples_ = 0;
-    double half_seconds_ = 0;
-    std::vector<Rgb> half_;  // the image at half_samples_
-    std::vector<float> block_errors_;
+    void derive();
+
+    State state_;
     ErrorEstimate estimate_;
+    std::vector<float> block_errors_;
 };
 
 }  // namespace talbot

@@ -8,7 +8,7 @@ namespace talbot {
 namespace {
 
 constexpr double kBlackmanHarrisWidth = 3.3;  // pixels, whole support
-constexpr std::size_t kTableSize = 512;
+constexpr std::size_t kTableSize = 4096;
 
 double blackman_harris(double x) {
     // x in [0, 1] over the support (Harris 1978, 4-term minimum).
@@ -18,7 +18,7 @@ double blackman_harris(double x) {
 
 // Inverse of the filter's cumulative distribution at even steps, in pixels from the centre.
 std::array<float, kTableSize + 1> make_inverse() {
-    constexpr int kSteps = 1 << 14;
+    constexpr int kSteps = 1 << 16;
     std::array<double, kSteps + 1> cumulative{};
     for (std::size_t i = 0; i < kSteps; ++i) {
         cumulative[i + 1] =

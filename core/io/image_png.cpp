@@ -118,9 +118,9 @@ class PngWriter {
                      image.channels == 4 ? PNG_COLOR_TYPE_RGBA : PNG_COLOR_TYPE_RGB,
                      PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_BASE, PNG_FILTER_TYPE_BASE);
         png_set_sRGB(png_, info_, PNG_sRGB_INTENT_PERCEPTUAL);
-        png_set_compression_level(png_, 4);
-        png_set_filter(png_, PNG_FILTER_TYPE_BASE,
-                       PNG_FILTER_SUB | PNG_FILTER_UP | PNG_FILTER_PAETH);
+        // Renders are noisy: more effort costs several times the time for a few per cent of size.
+        png_set_compression_level(png_, 1);
+        png_set_filter(png_, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
         if (!texts.empty()) png_set_text(png_, info_, texts.data(), static_cast<int>(texts.size()));
         png_write_info(png_, info_);
         const size_t row_bytes = size_t{image.channels} * image.width;

@@ -1,0 +1,48 @@
+#include "app/window.h"
+
+#include "app/exit_code.h"
+#include "app/interact.h"
+#include "app/scene_setup.h"
+#include "app/viewer.h"
+
+namespace talbot {
+namespace {
+
+// Loads what the options ask for, on workers that end before the viewer's own start. The image
+// follows the window unless --size was given.
+Result<ViewerOptions> load_viewer(const Options& options) {
+    WorkerPool pool(options.threads);
+    const Result<SceneSetup> setup = set_up_scene(options, pool);
+    if (!setup) return setup.error();
+    ViewerOptions viewer;
+    viewer.scene = {setup->scene, setup->camera};
+    viewer.file = scene_path(options);
+    viewer.settings = setup->settings;
+    viewer.fixed_size = options.size.has_value();
+    viewer.display = options.display;
+    viewer.threads = options.threads;
+    viewer.pass_limit = options.frames.value_or(0);
+    return viewer;
+}
+
+int finish(const Status& status) {
+    if (status) return kExitDone;
+    log_error(status.error().line());
+    return exit_code(status.error());
+}
+
+}  // namespace
+
+int run_window(const Options& options) {
+    const Result<ViewerOptions> viewer = load_viewer(options);
+    if (!viewer) return finish(viewer.error());
+    return finish(run_viewer(*viewer));
+}
+
+int run_script(const Options& options) {
+    Result<ViewerOptions> viewer = load_viewer(options);
+    if (!viewer) return finish(viewer.error());
+    return finish(run_interaction({std::move(*viewer), options.interact, options.report}));
+}
+
+}  // namespace talbot

@@ -1,0 +1,3 @@
+# The house rules that a machine can check: include directions, file lengths, no tolerance outside core/math/robust.
+add_test(NAME style COMMAND ${CMAKE_COMMAND} -E env python3 ${PROJECT_SOURCE_DIR}/tests/check_style.py ${PROJECT_SOURCE_DIR})
+add_test(NAME built_in_scenes COMMAND python3 ${PROJECT_SOURCE_DIR}/assets/generate.py --verify)

@@ -1,0 +1,172 @@
+// The program as a user runs it: exit codes, one clear line for bad input, whole files or none, the
+// same bytes each time.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+namespace talbot {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+    int code = -1;
+    std::string output;
+};
+
+Outcome run(const std::string& arguments) {
+    const std::string command =
+        "timeout 60 env -u DISPLAY -u WAYLAND_DISPLAY '" TALBOT_BINARY "' " + arguments + " 2>&1";
+    FILE* pipe = popen(command.c_str(), "r");
+    Outcome outcome;
+    char buffer[4096];
+    for (std::size_t n = 0; (n = std::fread(buffer, 1, sizeof(buffer), pipe)) > 0;)
+        outcome.output.append(buffer, n);
+    const int status = pclose(pipe);
+    outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return outcome;
+}
+
+std::string read_bytes(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+const std::string kCornell = "'" TALBOT_SOURCE_DIR "/assets/scenes/cornell.gltf'";
+
+class CommandLine : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        folder_ = fs::temp_directory_path() / ("talbot-cli-" + std::to_string(getpid()));
+        fs::create_directories(folder_);
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+    std::string path(const std::string& name) const { return (folder_ / name).string(); }
+    void write(const std::string& name, const std::string& text) const {
+        std::ofstream(folder_ / name) << text;
+    }
+
+    // One line, that names `part`, and this exit code.
+    static void expect_refusal(const std::string& arguments, int code, const std::string& part) {
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.code, code) << arguments << "\n" << outcome.output;
+        EXPECT_NE(outcome.output.find(part), std::string::npos) << outcome.output;
+        EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1)
+            << outcome.output;
+    }
+
+    fs::path folder_;
+};
+
+TEST_F(CommandLine, SameBytesForAnyThreadsAndTileSizeAndRun) {
+    const auto exr = [&](const std::string& arguments) {
+        const std::string file = path("x.exr");
+        EXPECT_EQ(
+            run(kCornell + " --frames 4 --size 64x64 --output " + file + " " + arguments).code, 0);
+        return read_bytes(file);
+    };
+    const std::string bytes = exr("--threads 1");
+    ASSERT_GT(bytes.size(), 1000u);
+    for (const char* threads : {"2", "3", "7"})
+        EXPECT_EQ(exr(std::string("--threads ") + threads), bytes);
+    for (const char* tile : {"8", "256"}) EXPECT_EQ(exr(std::string("--tile-size ") + tile), bytes);
+    EXPECT_EQ(exr("--effects all"), bytes);
+    EXPECT_NE(exr("--seed 1"), bytes);
+}
+
+TEST_F(CommandLine, WritesEveryFormatAndTheRunRecord) {
+    const Outcome outcome = run(kCornell + " --frames 2 --size 32x32 --output " + path("a.png") +
+                                " --output " + path("a.exr") + " --output " + path("a.hdr") +
+                                " --output " + path("a.pfm") + " --report " + path("a.json"));
+    EXPECT_EQ(outcome.code, 0) << outcome.output;
+    for (const char* name : {"a.png", "a.exr", "a.hdr", "a.pfm"})
+        EXPECT_GT(fs::file_size(path(name)), 100u);
+    const std::string record = read_bytes(path("a.json"));
+    for (const char* field : {"talbot-run/1", "sha256", "relrmse_percent", "film_hash", "witness",
+                              "peak_memory_bytes"}) {
+        EXPECT_NE(record.find(field), std::string::npos) << field;
+    }
+}
+
+TEST_F(CommandLine, BadInputGetsOneLineAndItsExitCode) {
+    write("empty.gltf", "");
+    write("noise.glb", std::string("glTF\x02\0\0\0\xFF\0\0\0", 12));
+    write("missing.gltf",
+          R"({"asset":{"version":"2.0"},"buffers":[{"uri":"nowhere.bin","byteLength":12}]})");
+    write(
+        "cycle.gltf",
+        R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"children":[1]},{"children":[0]}]})");
+    write(
+        "required.gltf",
+        R"({"asset":{"version":"2.0"},"extensionsRequired":["EXT_unheard_of"],"extensionsUsed":["EXT_unheard_of"]})");
+    expect_refusal(path("empty.gltf") + " --frames 1", 3, "empty.gltf");
+    expect_refusal(path("noise.glb") + " --frames 1", 3, "noise.glb");
+    expect_refusal(path("missing.gltf") + " --frames 1", 3, "nowhere.bin");
+    expect_refusal(path("cycle.gltf") + " --frames 1", 3, "nodes[");
+    expect_refusal(path("required.gltf") + " --frames 1", 3, "EXT_unheard_of");
+    expect_refusal(path("not-there.gltf") + " --frames 1", 3, "not-there.gltf");
+    expect_refusal(kCornell + " --frames 1 --environment " + path("no.hdr"), 3, "no.hdr");
+}
+
+TEST_F(CommandLine, WrongUsageIsCalledSo) {
+    expect_refusal(kCornell + " --size 0x0", 2, "--size");
+    expect_refusal(kCornell + " --size 100000x100000", 2, "--size");
+    expect_refusal(kCornell + " --size 12", 2, "--size");
+    expect_refusal(kCornell + " --frames 0", 2, "--frames");
+    expect_refusal(kCornell + " --frames -3", 2, "frames");
+    expect_refusal(kCornell + " --no-such-option", 2, "no-such-option");
+    expect_refusal(kCornell + " --orbit 1,2,3", 2, "--orbit");
+    expect_refusal(kCornell + " --tone-map sepia", 2, "sepia");
+    expect_refusal(kCornell + " --frames 1 --camera nobody", 2, "nobody");
+    expect_refusal(kCornell + " --frames 1 --output picture.gif", 2, ".gif");
+}
+
+TEST_F(CommandLine, WhatCannotBeWrittenIsSaidBeforeRendering) {
+    expect_refusal(kCornell + " --frames 1 --output " + path("none/x.png"), 4, "x.png");
+    EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(CommandLine, AnInterruptWritesWhatThereIsAndExits130) {
+    const std::string file = path("i.exr");
+    const Outcome outcome = run(kCornell + " --frames 1000000 --size 64x64 --output " + file +
+                                " & pid=$!; sleep 1; kill -INT $pid; wait $pid; exit $?; :");
+    EXPECT_EQ(outcome.code, 130) << outcome.output;
+    EXPECT_GT(fs::file_size(file), 1000u);
+}
+
+TEST_F(CommandLine, ReplayOfASampleEndsInTheFilmsOwnNumber) {
+    const std::string file = path("one.pfm");
+    ASSERT_EQ(run(kCornell + " --frames 1 --size 16x16 --output " + file).code, 0);
+    const std::string pfm = read_bytes(file);
+    // Row 0 of a .pfm is the bottom one.
+    const std::size_t header = pfm.size() - 16 * 16 * 3 * sizeof(float);
+    float pixel[3];
+    std::memcpy(pixel, pfm.data() + header + ((15 - 9) * 16 + 7) * sizeof(pixel), sizeof(pixel));
+    const Outcome outcome = run(kCornell + " --size 16x16 --pixel 7,9 --sample 0");
+    char expected[128];
+    std::snprintf(expected, sizeof(expected), "(%a, %a, %a)", static_cast<double>(pixel[0]),
+                  static_cast<double>(pixel[1]), static_cast<double>(pixel[2]));
+    EXPECT_NE(outcome.output.find(expected), std::string::npos) << expected << "\n"
+                                                                << outcome.output;
+}
+
+TEST_F(CommandLine, InfoNamesWhatIsInTheFile) {
+    const Outcome outcome = run("info " + kCornell);
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_NE(outcome.output.find("emissive_meshes"), std::string::npos);
+    EXPECT_EQ(run("info " + kCornell + " --json").output.front(), '{');
+}
+
+}  // namespace
+}  // namespace talbot
