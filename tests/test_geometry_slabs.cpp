@@ -42,15 +42,15 @@ bool own_box(const Ray& ray, const Bounds& box, bool fused) {
         return fused ? std::fma(p, r, -c) : p * r - c;
     };
     float enter = 0;
-    float leave = ray.t_max / local.t_scale;
+    float leave = ray.t_max / local.t_scale * kSlabFarFactor;
     for (int i = 0; i < 3; ++i) {
-        const bool negative = slabs.is_negative[i] != 0;
+        const bool negative = std::signbit(local.sheared.d[i]);
         const float near_p = negative ? box.upper[i] : box.lower[i];
         const float far_p = negative ? box.lower[i] : box.upper[i];
         enter = std::max(enter, plane_t(near_p, slabs.reciprocal[i], slabs.near_offset[i]));
-        leave = std::min(leave, plane_t(far_p, slabs.reciprocal[i], slabs.far_offset[i]));
+        leave = std::min(leave, plane_t(far_p, slabs.far_reciprocal[i], slabs.far_offset[i]));
     }
-    return enter <= leave * kSlabFarFactor;
+    return enter <= leave;
 }
 
 bool textbook_box(const Ray& ray, const Bounds& box) {

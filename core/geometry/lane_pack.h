@@ -131,6 +131,14 @@ HWY_INLINE PackMask<kWidth> either(const PackMask<kWidth>& a, const PackMask<kWi
     return m;
 }
 
+// !a && b
+template <size_t kWidth>
+HWY_INLINE PackMask<kWidth> and_not(const PackMask<kWidth>& a, const PackMask<kWidth>& b) {
+    PackMask<kWidth> m;
+    for (size_t i = 0; i < Pack<kWidth>::kRegisters; ++i) m.r[i] = hn::AndNot(a.r[i], b.r[i]);
+    return m;
+}
+
 // Bit i is lane i.
 template <size_t kWidth>
 HWY_INLINE uint32_t mask_of(const PackMask<kWidth>& m) {

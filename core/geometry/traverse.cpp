@@ -102,16 +102,18 @@ struct BlockRay {
     Lanes ox, oy, oz;  // along the axes kx, ky, kz
     Lanes sx, sy;
     Lanes dz_sign;
+    Lanes margin_floor;
     float dz;
     size_t x_plane, y_plane, z_plane;  // in floats from the start of a vertex
 
-    HWY_INLINE explicit BlockRay(const ShearedRay& ray)
+    HWY_INLINE BlockRay(const ShearedRay& ray, bool may_overflow)
         : ox(Lanes::set(ray.o[ray.kx])),
           oy(Lanes::set(ray.o[ray.ky])),
           oz(Lanes::set(ray.o[ray.kz])),
           sx(Lanes::set(static_cast<float>(ray.sx))),
           sy(Lanes::set(static_cast<float>(ray.sy))),
           dz_sign(Lanes::set(std::copysign(0.0f, ray.d[ray.kz]))),
+          margin_floor(Lanes::set(may_overflow ? kInfinity : kEdgeErrorFloor)),
           dz(std::abs(ray.d[ray.kz])),
           x_plane(ray.kx * kBlockWidth),
           y_plane(ray.ky * kBlockWidth),
@@ -154,14 +156,17 @@ HWY_INLINE LaneSets candidates(const TriangleBlock& block, const BlockRay& ray, 
     const Lanes abs_area = abs(area);
     const Lanes sign = xor_bits(sign_bits(area), ray.dz_sign);
     const Lanes depth = xor_bits(mul_add(u, z[0], mul_add(v, z[1], mul(w, z[2]))), sign);
-    const Lanes margin = mul(reach, mul_add(abs_area, Lanes::set(kDepthErrorArea * kFloatEpsilon),
-                                            mul(error, Lanes::set(kDepthErrorEdges))));
+    const Lanes margin = mul_add(reach,
+                                 mul_add(abs_area, Lanes::set(kDepthErrorArea * kFloatEpsilon),
+                                         mul(error, Lanes::set(kDepthErrorEdges))),
+                                 ray.margin_floor);
     const Lanes limit = min(Lanes::set(t_max * ray.dz), reach);
     const Lanes beyond = neg_mul_add(limit, abs_area, depth);
     LaneSets lanes{};
-    lanes.maybe =
-        mask_of(both(either(less_equal(sub(zero, error), least), less_equal(most, error)),
-                     both(less_equal(sub(zero, margin), depth), less_equal(beyond, margin))));
+    // Written so that depths that overflow count as in range; unused lanes fail the first test.
+    const auto inside = either(less_equal(sub(zero, error), least), less_equal(most, error));
+    const auto out_of_range = either(less(depth, sub(zero, margin)), less(margin, beyond));
+    lanes.maybe = mask_of(and_not(out_of_range, inside));
     if constexpr (kSurely) {
         lanes.surely = mask_of(both(either(less(error, least), less(most, sub(zero, error))),
                                     both(less(margin, depth), less(beyond, sub(zero, margin)))));
@@ -302,7 +307,10 @@ template <bool kAny, bool kFilter, bool kObjects, bool kCount>
 bool traverse(Query& query, const Tree& tree, const LocalRay& ray) {
     if (tree.is_empty) return false;
     const BoxRay boxes(ray.sheared, make_slab_ray(ray.sheared, tree.bounds));
-    const BlockRay lanes(ray.sheared);
+    const float* o = ray.sheared.o;
+    const BlockRay lanes(ray.sheared,
+                         std::max(std::max(std::abs(o[0]), std::abs(o[1])),
+                                  std::max(std::abs(o[2]), tree.reach)) > kMaxDepthCoordinate);
     const float to_local = 1 / ray.t_scale;
     float t_limit = query.best.t * to_local * kSlabFarFactor;
     StackEntry stack[kStackSize];

@@ -8,6 +8,8 @@ namespace talbot {
 // A vertex or ray origin beyond this (in metres) is treated as not finite: squares and their
 // products stay in range below it.
 inline constexpr float kMaxCoordinate = 0x1p50f;
+// Below this the depths in a triangle's float test (products of three coordinates) cannot overflow.
+inline constexpr float kMaxDepthCoordinate = 0x1p38f;
 
 // The largest component of a direction must lie between these for the float kernels; others are
 // rescaled by a power of two.
