@@ -138,6 +138,7 @@ class RenderSession::Impl {
             generation_ = generation;
             after_changes();
         }
+        if (!requests.empty()) renew_film();
         for (const FilmRequest& request : requests) {
             (*request.f)(film_);
             request.done->set_value();
@@ -210,11 +211,7 @@ class RenderSession::Impl {
     void after_changes() {
         if (restart_ && scene_) {
             restart_ = false;
-            if (film_.width() == settings_.width && film_.height() == settings_.height) {
-                film_.clear();
-            } else {
-                film_ = Film(settings_.width, settings_.height);
-            }
+            film_is_stale_ = true;
             effects_ = analyse_effects(scene_->scene(), camera_);
             tier_ = smallest_tier(effects_.active | settings_.forced_on);
             passes_ = 0;
@@ -305,7 +302,19 @@ class RenderSession::Impl {
                 true);
     }
 
+    // Clearing the film waits until it is needed, for a preview should not wait for it.
+    void renew_film() {
+        if (!film_is_stale_) return;
+        film_is_stale_ = false;
+        if (film_.width() == settings_.width && film_.height() == settings_.height) {
+            film_.clear();
+        } else {
+            film_ = Film(settings_.width, settings_.height);
+        }
+    }
+
     void render_pass() {
+        renew_film();
         if (selection_ && !object_ids_) update_object_ids();
         const Clock::time_point start = Clock::now();
         uint64_t samples = 0;
@@ -392,6 +401,7 @@ class RenderSession::Impl {
 
     // The last snapshot of a stopped session holds whatever was sampled.
     void finish() {
+        if (scene_) renew_film();
         if (scene_ && samples_ > 0) {
             passes_ = film_.min_samples();
             publish(
@@ -434,6 +444,7 @@ class RenderSession::Impl {
     EffectReport effects_;
     std::size_t tier_ = 0;
     Film film_;
+    bool film_is_stale_ = false;  // it holds another state's samples
     ErrorTracker tracker_;
     NonFiniteCount nonfinite_;
     uint64_t generation_ = 0;
@@ -485,15 +496,6 @@ void RenderSession::with_film(const std::function<void(const Film&)>& f) {
 }
 unsigned RenderSession::threads() const {
     return impl_->threads();
-}
-
-std::optional<Pick> pick(const Scene& scene, const Camera& camera, uint32_t width, uint32_t height,
-                         float px, float py) {
-    const std::optional<PickedPoint> found =
-        pick_point(scene, CameraRays(camera, scene.origin(), width, height), px, py);
-    if (!found) return std::nullopt;
-    return Pick{scene.object_of(found->id), scene.material_of(found->id),
-                Vec3d(found->p) + scene.origin()};
 }
 
 }  // namespace talbot
