@@ -1,6 +1,7 @@
 #include "core/session/session.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <deque>
 #include <future>
@@ -18,10 +19,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-bool is_power_of_two(uint64_t n) {
-    return n != 0 && (n & (n - 1)) == 0;
 }
 
 }  // namespace
@@ -334,7 +331,7 @@ class RenderSession::Impl {
         const bool out_of_time =
             policy_.time_limit_seconds > 0 && spent_seconds() >= policy_.time_limit_seconds;
         if (out_of_time && passes_ > 0) stop_reached_ = true;
-        if (complete && is_power_of_two(passes_) && target_met()) stop_reached_ = true;
+        if (complete && std::has_single_bit(passes_) && target_met()) stop_reached_ = true;
         if (complete || stop_reached_) publish_pass();
     }
 
@@ -342,7 +339,7 @@ class RenderSession::Impl {
     // second only.
     void publish_pass() {
         const bool last = stop_reached_ || (pass_limit_ != 0 && passes_ >= pass_limit_);
-        if (!policy_.interactive && !last && !is_power_of_two(passes_) &&
+        if (!policy_.interactive && !last && !std::has_single_bit(passes_) &&
             seconds_since(last_publish_) < 0.5)
             return;
         publish(std::make_shared<const ImageRgba>(film_.image(settings_.transparent_background)),
