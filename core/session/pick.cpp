@@ -1,4 +1,3 @@
-// What lies under a pixel.
 #include "core/integrate/object_ids.h"
 #include "core/session/session.h"
 
