@@ -184,6 +184,7 @@ constexpr Parameter<PunctualLight> kLightParameters[] = {
       .unit = "rad",
       .lower = 0x1p-10,
       .upper = 1.5707963,
+      .slider_lower = 0x1p-10,
       .slider_upper = 1.5707963},
      read_scalar<PunctualLight, &PunctualLight::outer_cone_angle>,
      [](PunctualLight& light, const ParameterValue& v) {
@@ -248,6 +249,7 @@ constexpr Parameter<CameraController> kCameraParameters[] = {
       .unit = "rad",
       .lower = 0x1p-12,
       .upper = 3.1,
+      .slider_lower = 0x1p-12,
       .slider_upper = 3.1,
       .note = "Full vertical angle of view."},
      [](const CameraController& c) { return ParameterValue{c.camera().yfov}; },

@@ -31,7 +31,7 @@ std::optional<uint32_t> index_of(std::string_view text, const std::vector<Item>&
         return std::nullopt;
     }
     for (std::size_t i = 0; i < items.size(); ++i) {
-        if (items[i].name == text) return static_cast<uint32_t>(i);
+        if (!text.empty() && items[i].name == text) return static_cast<uint32_t>(i);
     }
     return std::nullopt;
 }

@@ -89,7 +89,9 @@ ViewportResult handle_viewport(ViewerModel& model, const PixelRect& area, const 
     const bool dragged = io.MouseDragMaxDistanceSqr[0] > slack * slack ||
                          ImGui::IsMouseDown(ImGuiMouseButton_Right) ||
                          ImGui::IsMouseDown(ImGuiMouseButton_Middle);
-    if (ImGui::IsItemActive() && dragged) result.camera_changed |= drag(model, image);
+    // What the pointer moved before the press, in the press's own frame, is no part of the drag.
+    if (ImGui::IsItemActive() && !ImGui::IsItemActivated() && dragged)
+        result.camera_changed |= drag(model, image);
     if (hovered && io.MouseWheel != 0) {
         model.view.dolly(std::pow(kDollyPerNotch, static_cast<double>(io.MouseWheel)));
         result.camera_changed = true;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/geometry/accel.h"
+#include "core/geometry/force_inline.h"
 #include "core/math/ray.h"
 #include "core/math/vec.h"
 
@@ -56,6 +57,16 @@ struct alignas(64) TriangleBlock {
     uint32_t instance[kBlockWidth];  // kNoId in the tree of a mesh that instances share
 };
 
+// Coordinates of one lane, for intersect_triangle.
+struct BlockCorner {
+    const TriangleBlock& block;
+    uint32_t lane;
+
+    TALBOT_FORCE_INLINE float operator()(uint32_t k, uint32_t axis) const {
+        return block.vertex[k][axis][lane];
+    }
+};
+
 struct Tree {
     std::vector<WideNode> nodes;
     std::vector<TriangleBlock> blocks;
@@ -63,6 +74,7 @@ struct Tree {
     uint32_t root = 0;
     bool is_empty = true;
     Bounds bounds;
+    float reach = 0;  // largest coordinate of bounds
     uint32_t depth = 0;
     uint64_t triangles = 0;
 

@@ -48,10 +48,12 @@ struct Pack {
         for (size_t i = 0; i < p.kRegisters; ++i) p.r[i] = op(a.r[i], b.r[i]);   \
         return p;                                                                \
     }
+TALBOT_PACK_BINARY(add, hn::Add)
 TALBOT_PACK_BINARY(sub, hn::Sub)
 TALBOT_PACK_BINARY(mul, hn::Mul)
 TALBOT_PACK_BINARY(min, hn::Min)
 TALBOT_PACK_BINARY(max, hn::Max)
+TALBOT_PACK_BINARY(xor_bits, hn::Xor)
 #undef TALBOT_PACK_BINARY
 
 // a b + c
@@ -88,31 +90,63 @@ HWY_INLINE Pack<kWidth> abs(const Pack<kWidth>& a) {
     return p;
 }
 
-template <class D, class M>
-HWY_INLINE uint32_t mask_bits(D d, M mask) {
-    uint8_t bytes[8] = {};
-    hn::StoreMaskBits(d, mask, bytes);
-    return bytes[0];
-}
-
-// Bit i is a[i] <= b[i].
+// The sign bits alone.
 template <size_t kWidth>
-HWY_INLINE uint32_t less_equal_bits(const Pack<kWidth>& a, const Pack<kWidth>& b) {
-    uint32_t bits = 0;
-    for (size_t i = 0; i < a.kRegisters; ++i) {
-        bits |= mask_bits(typename Pack<kWidth>::Tag(), hn::Le(a.r[i], b.r[i])) << (i * a.kLanes);
+HWY_INLINE Pack<kWidth> sign_bits(const Pack<kWidth>& a) {
+    Pack<kWidth> p;
+    for (size_t i = 0; i < p.kRegisters; ++i) {
+        p.r[i] = hn::And(a.r[i], hn::Set(typename Pack<kWidth>::Tag(), -0.0f));
     }
-    return bits;
+    return p;
 }
 
-// Bit i is a[i] <= b[i] or c[i] <= d[i].
+// One truth value per lane.
 template <size_t kWidth>
-HWY_INLINE uint32_t less_equal_or_bits(const Pack<kWidth>& a, const Pack<kWidth>& b,
-                                       const Pack<kWidth>& c, const Pack<kWidth>& d) {
+struct PackMask {
+    hn::Mask<typename Pack<kWidth>::Tag> r[Pack<kWidth>::kRegisters];
+};
+
+#define TALBOT_PACK_COMPARE(name, op)                                                \
+    template <size_t kWidth>                                                         \
+    HWY_INLINE PackMask<kWidth> name(const Pack<kWidth>& a, const Pack<kWidth>& b) { \
+        PackMask<kWidth> m;                                                          \
+        for (size_t i = 0; i < a.kRegisters; ++i) m.r[i] = op(a.r[i], b.r[i]);       \
+        return m;                                                                    \
+    }
+TALBOT_PACK_COMPARE(less, hn::Lt)
+TALBOT_PACK_COMPARE(less_equal, hn::Le)
+#undef TALBOT_PACK_COMPARE
+
+template <size_t kWidth>
+HWY_INLINE PackMask<kWidth> both(const PackMask<kWidth>& a, const PackMask<kWidth>& b) {
+    PackMask<kWidth> m;
+    for (size_t i = 0; i < Pack<kWidth>::kRegisters; ++i) m.r[i] = hn::And(a.r[i], b.r[i]);
+    return m;
+}
+
+template <size_t kWidth>
+HWY_INLINE PackMask<kWidth> either(const PackMask<kWidth>& a, const PackMask<kWidth>& b) {
+    PackMask<kWidth> m;
+    for (size_t i = 0; i < Pack<kWidth>::kRegisters; ++i) m.r[i] = hn::Or(a.r[i], b.r[i]);
+    return m;
+}
+
+// !a && b
+template <size_t kWidth>
+HWY_INLINE PackMask<kWidth> and_not(const PackMask<kWidth>& a, const PackMask<kWidth>& b) {
+    PackMask<kWidth> m;
+    for (size_t i = 0; i < Pack<kWidth>::kRegisters; ++i) m.r[i] = hn::AndNot(a.r[i], b.r[i]);
+    return m;
+}
+
+// Bit i is lane i.
+template <size_t kWidth>
+HWY_INLINE uint32_t mask_of(const PackMask<kWidth>& m) {
     uint32_t bits = 0;
-    for (size_t i = 0; i < a.kRegisters; ++i) {
-        const auto mask = hn::Or(hn::Le(a.r[i], b.r[i]), hn::Le(c.r[i], d.r[i]));
-        bits |= mask_bits(typename Pack<kWidth>::Tag(), mask) << (i * a.kLanes);
+    for (size_t i = 0; i < Pack<kWidth>::kRegisters; ++i) {
+        uint8_t bytes[8] = {};
+        hn::StoreMaskBits(typename Pack<kWidth>::Tag(), m.r[i], bytes);
+        bits |= static_cast<uint32_t>(bytes[0]) << (i * Pack<kWidth>::kLanes);
     }
     return bits;
 }

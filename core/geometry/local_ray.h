@@ -2,6 +2,8 @@
 // of range, moved into the space of an instance, and with the constants of the slab test.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -24,21 +26,36 @@ struct LocalRay {
     uint32_t instance = kNoId;  // of all triangles of the tree, unless kNoId
 };
 
-// False when nothing can be hit: not finite, out of range or without direction.
-inline bool to_world_kernel(const Ray& ray, LocalRay& local) {
-    if (!(ray.t_max > 0) || !is_finite(ray.o) || !is_finite(ray.d)) return false;
-    const float largest = max_component(glm::abs(ray.d));
-    if (!(largest > 0) || max_component(glm::abs(ray.o)) > kMaxCoordinate) return false;
-    if (largest >= kMinDirection && largest <= kMaxDirection) {
-        local.sheared = shear(ray.o, ray.d);
-        return true;
+struct SlabRay;
+
+namespace local_ray_detail {
+
+// The rays that to_world_kernel does not take as they are: direction out of range, or nothing to
+// hit at all.
+bool rescale(const Ray& ray, LocalRay& local);
+
+// Slabs that the ray runs along, or all but along.
+void set_parallel_slabs(const ShearedRay& ray, const Bounds& bounds, SlabRay& slabs);
+
+}  // namespace local_ray_detail
+
+// False when nothing can be hit: not finite, out of range or without direction. Comparisons are
+// false for NaN.
+TALBOT_FORCE_INLINE bool to_world_kernel(const Ray& ray, LocalRay& local) {
+    const float ax = std::abs(ray.d.x);
+    const float ay = std::abs(ray.d.y);
+    const float az = std::abs(ray.d.z);
+    const bool usual =
+        (std::abs(ray.o.x) <= kMaxCoordinate) & (std::abs(ray.o.y) <= kMaxCoordinate) &
+        (std::abs(ray.o.z) <= kMaxCoordinate) & (ax <= kMaxDirection) & (ay <= kMaxDirection) &
+        (az <= kMaxDirection) & (std::max(ax, std::max(ay, az)) >= kMinDirection) & (ray.t_max > 0);
+    if (!usual) return local_ray_detail::rescale(ray, local);
+    for (int i = 0; i < 3; ++i) {
+        local.sheared.o[i] = ray.o[i];
+        local.sheared.d[i] = ray.d[i];
     }
-    const int exponent = std::ilogb(largest);
-    local.sheared =
-        shear(ray.o, Vec3f(std::ldexp(ray.d.x, -exponent), std::ldexp(ray.d.y, -exponent),
-                           std::ldexp(ray.d.z, -exponent)));
-    local.t_scale = std::ldexp(1.0f, -exponent);
-    return is_finite(local.t_scale) && is_finite(1 / local.t_scale);
+    set_shear(local.sheared);
+    return true;
 }
 
 // x rounded to float even if it is used as a double afterwards. GCC before 13 folds the two
@@ -71,35 +88,30 @@ inline bool to_object_space(const Ray& ray, const SceneObject& object, LocalRay&
     return local.t_scale > 0 && is_finite(local.t_scale) && is_finite(1 / local.t_scale);
 }
 
-// Plane p is met at p r - c; see kSlabOriginPad. Near planes use near_offset, far planes
-// far_offset.
-struct SlabRay {
-    Vec3f reciprocal;
-    Vec3f near_offset;
-    Vec3f far_offset;
-    uint32_t is_negative[3];
+// Near planes p are met at p near_reciprocal - near_offset, far planes likewise with the far
+// constants; see kSlabOriginPad.
+struct alignas(16) SlabRay {
+    float reciprocal[4];
+    float near_offset[4];
+    float far_reciprocal[4];
+    float far_offset[4];
 };
 
-inline SlabRay make_slab_ray(const LocalRay& ray, const Bounds& bounds) {
-    const Vec3f& o = ray.sheared.o;
-    const Vec3f& d = ray.sheared.d;
-    const float largest = std::abs(d[ray.sheared.kz]);
+TALBOT_FORCE_INLINE SlabRay make_slab_ray(const ShearedRay& ray, const Bounds& bounds) {
     SlabRay slabs;
-    for (int i = 0; i < 3; ++i) {
-        slabs.is_negative[i] = std::signbit(d[i]) ? 1 : 0;
-        const bool parallel = std::abs(d[i]) < kParallelShare * largest;
-        const float r = parallel ? std::copysign(kParallelReciprocal, d[i]) : 1 / d[i];
-        const float c = o[i] * r;
-        float pad = kSlabOriginPad * std::abs(c);
-        if (parallel) {
-            const float size =
-                max_component(glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper)));
-            pad += (size + max_component(glm::abs(o))) / largest * kParallelReach;
-        }
+    const float smallest = kParallelShare * std::abs(ray.d[ray.kz]);
+    bool any_parallel = false;
+    for (int i = 0; i < 4; ++i) {
+        const float r = 1 / ray.d[i];
+        const float c = ray.o[i] * r;
+        const float pad = kSlabOriginPad * std::abs(c);
         slabs.reciprocal[i] = r;
         slabs.near_offset[i] = c + pad;
-        slabs.far_offset[i] = c - pad;
+        slabs.far_reciprocal[i] = r * kSlabFarFactor;
+        slabs.far_offset[i] = (c - pad) * kSlabFarFactor;
+        any_parallel |= std::abs(ray.d[i]) < smallest;
     }
+    if (any_parallel) local_ray_detail::set_parallel_slabs(ray, bounds, slabs);
     return slabs;
 }
 

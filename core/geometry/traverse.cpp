@@ -7,6 +7,8 @@
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/geometry/traverse.cpp"
+#include <bit>
+
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
@@ -23,6 +25,12 @@ namespace HWY_NAMESPACE {
 
 using Boxes = Pack<kNodeWidth>;
 using Lanes = Pack<kBlockWidth>;
+
+HWY_INLINE uint32_t take_lowest(uint32_t& bits) {
+    const auto i = static_cast<uint32_t>(__builtin_ctz(bits));
+    bits &= bits - 1;
+    return i;
+}
 
 // One call: the ray as given, the best hit so far in world t, and what decides about hits.
 struct Query {
@@ -48,92 +56,140 @@ HWY_INLINE bool accept(Query& query, const Hit& hit, bool filtered) {
     return true;
 }
 
-// What a node test needs of a ray: fl(p r - c) for each plane p, with c padded apart for near and
-// far planes.
-struct BoxRay {
-    Boxes reciprocal[3];
-    Boxes near_offset[3];
-    Boxes far_offset[3];
-    uint32_t near_plane[3];
+// What a node test needs of a ray: fl(p r - c) for each plane p, with r and c apart for near and
+// far planes. Kept in memory: next to the constants of the triangle test there are not registers
+// enough, and spilling costs more than operands from memory.
+struct alignas(64) BoxRay {
+    float reciprocal[3][kNodeWidth];
+    float near_offset[3][kNodeWidth];
+    float far_reciprocal[3][kNodeWidth];
+    float far_offset[3][kNodeWidth];
+    size_t near_plane[3];  // in floats from the node's start
+    size_t far_plane[3];
 
-    HWY_INLINE BoxRay(const SlabRay& slabs) {
-        for (int i = 0; i < 3; ++i) {
-            reciprocal[i] = Boxes::set(slabs.reciprocal[i]);
-            near_offset[i] = Boxes::set(slabs.near_offset[i]);
-            far_offset[i] = Boxes::set(slabs.far_offset[i]);
-            near_plane[i] = static_cast<uint32_t>(2 * i) + slabs.is_negative[i];
+    HWY_INLINE explicit BoxRay(const ShearedRay& ray, const SlabRay& slabs) {
+        for (size_t i = 0; i < 3; ++i) {
+            Boxes::set(slabs.reciprocal[i]).store(reciprocal[i]);
+            Boxes::set(slabs.near_offset[i]).store(near_offset[i]);
+            Boxes::set(slabs.far_reciprocal[i]).store(far_reciprocal[i]);
+            Boxes::set(slabs.far_offset[i]).store(far_offset[i]);
+            const size_t negative = std::bit_cast<uint32_t>(ray.d[i]) >> 31;
+            near_plane[i] = (2 * i + negative) * kNodeWidth;
+            far_plane[i] = (2 * i + 1 - negative) * kNodeWidth;
         }
     }
 };
 
-HWY_INLINE uint32_t hit_boxes(const WideNode& node, const BoxRay& ray, const Boxes& t_max,
+// Bit i tells whether the ray meets child i before t_limit; t_near gets where it enters.
+HWY_INLINE uint32_t hit_boxes(const WideNode& node, const BoxRay& ray, float t_limit,
                               float* t_near) {
-    const auto near_t = [&](int i) HWY_ATTR {
-        return mul_sub(Boxes::load(node.plane[ray.near_plane[i]]), ray.reciprocal[i],
-                       ray.near_offset[i]);
-    };
-    const auto far_t = [&](int i) HWY_ATTR {
-        return mul_sub(Boxes::load(node.plane[ray.near_plane[i] ^ 1u]), ray.reciprocal[i],
-                       ray.far_offset[i]);
-    };
-    const Boxes enter = max(max(near_t(0), near_t(1)), max(near_t(2), Boxes::set(0)));
-    const Boxes leave = min(min(far_t(0), far_t(1)), min(far_t(2), t_max));
+    const float* planes = node.plane[0];
+    Boxes enter = Boxes::set(0);
+    Boxes leave = Boxes::set(t_limit);
+    for (size_t i = 0; i < 3; ++i) {
+        enter =
+            max(enter, mul_sub(Boxes::load(planes + ray.near_plane[i]),
+                               Boxes::load(ray.reciprocal[i]), Boxes::load(ray.near_offset[i])));
+        leave =
+            min(leave, mul_sub(Boxes::load(planes + ray.far_plane[i]),
+                               Boxes::load(ray.far_reciprocal[i]), Boxes::load(ray.far_offset[i])));
+    }
     enter.store(t_near);
-    return less_equal_bits(enter, mul(leave, Boxes::set(kSlabFarFactor)));
+    return mask_of(less_equal(enter, leave));
 }
 
 struct BlockRay {
-    Lanes o[3];  // in the order kx, ky, kz
+    Lanes ox, oy, oz;  // along the axes kx, ky, kz
     Lanes sx, sy;
-    int axis[3];
+    Lanes dz_sign;
+    Lanes margin_floor;
+    float dz;
+    size_t x_plane, y_plane, z_plane;  // in floats from the start of a vertex
 
-    HWY_INLINE BlockRay(const ShearedRay& ray) : axis{ray.kx, ray.ky, ray.kz} {
-        for (int i = 0; i < 3; ++i) o[i] = Lanes::set(ray.o[axis[i]]);
-        sx = Lanes::set(static_cast<float>(ray.sx));
-        sy = Lanes::set(static_cast<float>(ray.sy));
-    }
+    HWY_INLINE BlockRay(const ShearedRay& ray, bool may_overflow)
+        : ox(Lanes::set(ray.o[ray.kx])),
+          oy(Lanes::set(ray.o[ray.ky])),
+          oz(Lanes::set(ray.o[ray.kz])),
+          sx(Lanes::set(static_cast<float>(ray.sx))),
+          sy(Lanes::set(static_cast<float>(ray.sy))),
+          dz_sign(Lanes::set(std::copysign(0.0f, ray.d[ray.kz]))),
+          margin_floor(Lanes::set(may_overflow ? kInfinity : kEdgeErrorFloor)),
+          dz(std::abs(ray.d[ray.kz])),
+          x_plane(ray.kx * kBlockWidth),
+          y_plane(ray.ky * kBlockWidth),
+          z_plane(ray.kz * kBlockWidth) {}
 };
 
-// Lanes whose triangle the ray may meet: all but those whose edge functions have both signs beyond
-// their error.
-HWY_INLINE uint32_t candidates(const TriangleBlock& block, const BlockRay& ray) {
+struct LaneSets {
+    uint32_t maybe;   // not certainly missed
+    uint32_t surely;  // certainly hit in range; found for any-hit queries only
+};
+
+// Sorts the triangles of a block by what rounded arithmetic can tell about the ray meeting them in
+// (0, t_max): certainly missed are those whose edge functions have both signs beyond their error,
+// or whose depth is out of range beyond its error.
+template <bool kSurely>
+HWY_INLINE LaneSets candidates(const TriangleBlock& block, const BlockRay& ray, float t_max) {
+    constexpr size_t kStride = 3 * kBlockWidth;
+    const float* px = block.vertex[0][0] + ray.x_plane;
+    const float* py = block.vertex[0][0] + ray.y_plane;
+    const float* pz = block.vertex[0][0] + ray.z_plane;
     Lanes x[3];
     Lanes y[3];
-    Lanes z0;
-    for (int i = 0; i < 3; ++i) {
-        const Lanes z = sub(Lanes::load(block.vertex[i][ray.axis[2]]), ray.o[2]);
-        x[i] = neg_mul_add(ray.sx, z, sub(Lanes::load(block.vertex[i][ray.axis[0]]), ray.o[0]));
-        y[i] = neg_mul_add(ray.sy, z, sub(Lanes::load(block.vertex[i][ray.axis[1]]), ray.o[1]));
-        if (i == 0) z0 = z;
+    Lanes z[3];
+    for (size_t i = 0; i < 3; ++i) {
+        z[i] = sub(Lanes::load(pz + i * kStride), ray.oz);
+        x[i] = neg_mul_add(ray.sx, z[i], sub(Lanes::load(px + i * kStride), ray.ox));
+        y[i] = neg_mul_add(ray.sy, z[i], sub(Lanes::load(py + i * kStride), ray.oy));
     }
     const Lanes u = mul_sub(x[2], y[1], mul(y[2], x[1]));
     const Lanes v = mul_sub(x[0], y[2], mul(y[0], x[2]));
     const Lanes w = mul_sub(x[1], y[0], mul(y[1], x[0]));
+    const Lanes zero = Lanes::set(0);
     const Lanes extent = Lanes::load(block.extent);
-    const Lanes depth = mul_add(extent, Lanes::set(kEdgeErrorExtent), abs(z0));
-    const Lanes error = mul_add(mul(extent, Lanes::set(kEdgeErrorDepth * kFloatEpsilon)), depth,
+    const Lanes reach = mul_add(extent, Lanes::set(kEdgeErrorExtent), abs(z[0]));
+    const Lanes error = mul_add(mul(extent, Lanes::set(kEdgeErrorDepth * kFloatEpsilon)), reach,
                                 Lanes::set(kEdgeErrorFloor));
     const Lanes least = min(u, min(v, w));
     const Lanes most = max(u, max(v, w));
-    return less_equal_or_bits(sub(Lanes::set(0), error), least, most, error);
+    const Lanes area = add(u, add(v, w));
+    const Lanes abs_area = abs(area);
+    const Lanes sign = xor_bits(sign_bits(area), ray.dz_sign);
+    const Lanes depth = xor_bits(mul_add(u, z[0], mul_add(v, z[1], mul(w, z[2]))), sign);
+    const Lanes margin = mul_add(reach,
+                                 mul_add(abs_area, Lanes::set(kDepthErrorArea * kFloatEpsilon),
+                                         mul(error, Lanes::set(kDepthErrorEdges))),
+                                 ray.margin_floor);
+    const Lanes limit = min(Lanes::set(t_max * ray.dz), reach);
+    const Lanes beyond = neg_mul_add(limit, abs_area, depth);
+    LaneSets lanes{};
+    // Written so that depths that overflow count as in range; unused lanes fail the first test.
+    const auto inside = either(less_equal(sub(zero, error), least), less_equal(most, error));
+    const auto out_of_range = either(less(depth, sub(zero, margin)), less(margin, beyond));
+    lanes.maybe = mask_of(and_not(out_of_range, inside));
+    if constexpr (kSurely) {
+        lanes.surely = mask_of(both(either(less(error, least), less(most, sub(zero, error))),
+                                    both(less(margin, depth), less(beyond, sub(zero, margin)))));
+    }
+    return lanes;
 }
 
 // Tests the candidates of one block; true when an accepted hit ends the search.
 template <bool kAny, bool kFilter>
 HWY_INLINE bool intersect_block(Query& query, const LocalRay& ray, const TriangleBlock& block,
-                                uint32_t lanes) {
-    while (lanes != 0) {
-        const uint32_t i = static_cast<uint32_t>(__builtin_ctz(lanes));
-        lanes &= lanes - 1;
+                                LaneSets lanes) {
+    while (lanes.maybe != 0) {
+        const uint32_t i = take_lowest(lanes.maybe);
         const PrimitiveId id{ray.instance == kNoId ? block.instance[i] : ray.instance,
                              block.primitive[i]};
         if (id == query.ray.skip_from || id == query.ray.skip_to) continue;
-        const auto corner = [&](int k) HWY_ATTR {
-            return Vec3f(block.vertex[k][0][i], block.vertex[k][1][i], block.vertex[k][2][i]);
-        };
+        if (kAny && !kFilter && (lanes.surely >> i & 1) != 0) {
+            query.found = true;
+            return true;
+        }
         TriangleHit hit;
-        if (!intersect_triangle(ray.sheared, corner(0), corner(1), corner(2), block.extent[i], hit))
-            continue;
+        const BlockCorner corner{block, i};
+        if (!intersect_triangle(ray.sheared, corner, block.extent[i], hit)) continue;
         const bool filtered = kFilter && query.scene.filtered[id.instance] != 0;
         if (accept<kFilter>(query, {hit.t * ray.t_scale, hit.u, hit.v, id}, filtered) && kAny)
             return true;
@@ -169,59 +225,127 @@ HWY_NOINLINE bool intersect_objects(Query& query, const Tree& tree, uint32_t ref
     return false;
 }
 
-struct StackEntry {
-    uint32_t ref;
-    float t;
-};
+// Makes the compiler forget copies of an object in registers.
+template <class T>
+HWY_INLINE void keep_in_memory(const T& object) {
+#if defined(__GNUC__)
+    asm volatile("" : : "r"(&object) : "memory");
+#endif
+}
 
-// Pushes the children in `hits` so that the nearest is on top.
-HWY_INLINE void push_sorted(StackEntry*& top, const WideNode& node, const float* t_near,
-                            uint32_t hits) {
+// A child and where the ray enters it, in one integer that sorts by distance: distances are not
+// negative.
+using StackEntry = uint64_t;
+
+HWY_INLINE StackEntry make_entry(const WideNode& node, const float* t_near, uint32_t child) {
+    return static_cast<uint64_t>(std::bit_cast<uint32_t>(t_near[child])) << 32 | node.child[child];
+}
+HWY_INLINE uint32_t entry_ref(StackEntry entry) {
+    return static_cast<uint32_t>(entry);
+}
+HWY_INLINE float entry_t(StackEntry entry) {
+    return std::bit_cast<float>(static_cast<uint32_t>(entry >> 32));
+}
+
+HWY_INLINE void order(StackEntry& nearer, StackEntry& farther) {
+    const StackEntry a = nearer;
+    const StackEntry b = farther;
+    nearer = a < b ? a : b;
+    farther = a < b ? b : a;
+}
+
+// Asks for the cache lines of a child, inner node or block, while its siblings are still looked at.
+HWY_INLINE void prefetch(const Tree& tree, uint32_t ref) {
+    const char* at = ChildRef::is_leaf(ref)
+                         ? reinterpret_cast<const char*>(tree.blocks.data() + ChildRef::first(ref))
+                         : reinterpret_cast<const char*>(tree.nodes.data() + ref);
+    __builtin_prefetch(at);
+    __builtin_prefetch(at + 64);
+    __builtin_prefetch(at + 128);
+    __builtin_prefetch(at + 192);
+}
+
+// The nearest child; the others are pushed, nearest on top.
+HWY_INLINE StackEntry push_others(const Tree& tree, StackEntry*& top, const WideNode& node,
+                                  const float* t_near, uint32_t hits) {
+    StackEntry a = make_entry(node, t_near, take_lowest(hits));
+    prefetch(tree, entry_ref(a));
+    if (hits == 0) return a;
+    StackEntry b = make_entry(node, t_near, take_lowest(hits));
+    prefetch(tree, entry_ref(b));
+    order(a, b);
+    if (hits == 0) {
+        *top++ = b;
+        return a;
+    }
+    StackEntry c = make_entry(node, t_near, take_lowest(hits));
+    prefetch(tree, entry_ref(c));
+    order(b, c);
+    order(a, b);
+    if (hits == 0) {
+        top[0] = c;
+        top[1] = b;
+        top += 2;
+        return a;
+    }
     StackEntry* const first = top;
+    top[0] = c;
+    top[1] = b;
+    top[2] = a;
+    top += 3;
     do {
-        const uint32_t i = static_cast<uint32_t>(__builtin_ctz(hits));
-        hits &= hits - 1;
-        const StackEntry entry{node.child[i], t_near[i]};
+        const StackEntry entry = make_entry(node, t_near, take_lowest(hits));
+        prefetch(tree, entry_ref(entry));
         StackEntry* place = top++;
-        for (; place != first && place[-1].t < entry.t; --place) *place = place[-1];
+        for (; place != first && place[-1] < entry; --place) *place = place[-1];
         *place = entry;
     } while (hits != 0);
+    return *--top;
 }
 
 template <bool kAny, bool kFilter, bool kObjects, bool kCount>
 bool traverse(Query& query, const Tree& tree, const LocalRay& ray) {
     if (tree.is_empty) return false;
-    const BoxRay boxes(make_slab_ray(ray, tree.bounds));
-    const BlockRay lanes(ray.sheared);
+    const BoxRay boxes(ray.sheared, make_slab_ray(ray.sheared, tree.bounds));
+    const float* o = ray.sheared.o;
+    const BlockRay lanes(ray.sheared,
+                         std::max(std::max(std::abs(o[0]), std::abs(o[1])),
+                                  std::max(std::abs(o[2]), tree.reach)) > kMaxDepthCoordinate);
     const float to_local = 1 / ray.t_scale;
-    float t_max = query.best.t * to_local;
+    float t_limit = query.best.t * to_local * kSlabFarFactor;
     StackEntry stack[kStackSize];
     StackEntry* top = stack;
-    *top++ = {tree.root, 0};
+    StackEntry entry = tree.root;
     alignas(64) float t_near[kNodeWidth];
-    while (top != stack) {
-        const StackEntry entry = *--top;
-        if (entry.t > t_max * kSlabFarFactor) continue;
-        if (!ChildRef::is_leaf(entry.ref)) {
+    for (;;) {
+        while (!ChildRef::is_leaf(entry_ref(entry))) {
             if (kCount) ++query.steps;
-            const WideNode& node = tree.nodes[entry.ref];
-            const uint32_t hits = hit_boxes(node, boxes, Boxes::set(t_max), t_near);
-            if (hits != 0) push_sorted(top, node, t_near, hits);
-            continue;
+            const WideNode& node = tree.nodes[entry_ref(entry)];
+            const uint32_t hits = hit_boxes(node, boxes, t_limit, t_near);
+            if (hits == 0) goto pop;
+            entry = push_others(tree, top, node, t_near, hits);
         }
-        if (kObjects && ChildRef::is_objects(entry.ref)) {
-            if (intersect_objects<kAny, kFilter, kCount>(query, tree, entry.ref)) return true;
+        keep_in_memory(boxes);
+        if (kObjects && ChildRef::is_objects(entry_ref(entry))) {
+            if (intersect_objects<kAny, kFilter, kCount>(query, tree, entry_ref(entry)))
+                return true;
+            t_limit = query.best.t * to_local * kSlabFarFactor;
         } else {
-            const TriangleBlock* block = tree.blocks.data() + ChildRef::first(entry.ref);
-            for (uint32_t i = ChildRef::count(entry.ref); i != 0; --i, ++block) {
-                const uint32_t maybe = candidates(*block, lanes);
-                if (maybe != 0 && intersect_block<kAny, kFilter>(query, ray, *block, maybe))
-                    return true;
-            }
+            const TriangleBlock* block = tree.blocks.data() + ChildRef::first(entry_ref(entry));
+            const TriangleBlock* const end = block + ChildRef::count(entry_ref(entry));
+            do {
+                const LaneSets sets = candidates < kAny && !kFilter > (*block, lanes, t_limit);
+                if (sets.maybe == 0) continue;
+                if (intersect_block<kAny, kFilter>(query, ray, *block, sets)) return true;
+                if (!kAny) t_limit = query.best.t * to_local * kSlabFarFactor;
+            } while (++block != end);
         }
-        t_max = query.best.t * to_local;
+    pop:
+        do {
+            if (top == stack) return false;
+            entry = *--top;
+        } while ((!kAny || kObjects) && entry_t(entry) > t_limit);
     }
-    return false;
 }
 
 template <bool kAny, bool kFilter, bool kObjects, bool kCount>

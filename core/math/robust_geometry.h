@@ -8,6 +8,8 @@ namespace talbot {
 // A vertex or ray origin beyond this (in metres) is treated as not finite: squares and their
 // products stay in range below it.
 inline constexpr float kMaxCoordinate = 0x1p50f;
+// Below this the depths in a triangle's float test (products of three coordinates) cannot overflow.
+inline constexpr float kMaxDepthCoordinate = 0x1p38f;
 
 // The largest component of a direction must lie between these for the float kernels; others are
 // rescaled by a power of two.
@@ -24,10 +26,10 @@ inline constexpr float kParallelReach = 0x1p35f;
 
 // Slabs. With r = fl(1 / d) and c = fl(o r), a plane p is met at fl(p r - c). Against (p - o) / d
 // that carries at most 3 eps |t| from the reciprocal, a product that may be rounded, and the last
-// rounding, and at most 3 eps |c| from c itself and from a rounded product; padding c adds one more
-// eps |c| (after Ize 2013, section 3, for the form with one product).
-inline constexpr float kSlabOriginPad = 0x6p-24f;
-// Near and far differ by at most 6 eps relative, and the reported t is rounded once more.
+// rounding, and at most 3 eps |c| from c itself and from a rounded product; padding c and scaling
+// it for far planes adds two more (after Ize 2013, section 3, for the form with one product).
+inline constexpr float kSlabOriginPad = 0x7p-24f;
+// Near and far differ by at most 7 eps relative, and the reported t is rounded once more.
 inline constexpr float kSlabFarFactor = 1 + 0x10p-24f;
 
 // Edge functions of a triangle sheared along the ray (Woop, Benthin, Wald 2013): with e the largest
@@ -37,6 +39,12 @@ inline constexpr float kSlabFarFactor = 1 + 0x10p-24f;
 inline constexpr float kEdgeErrorDepth = 48;
 inline constexpr float kEdgeErrorExtent = 4;
 inline constexpr float kEdgeErrorFloor = 0x1p-120f;  // products flushed to zero
+// Let reach bound the depths of a triangle's vertices, and error be that of an edge function as
+// above. The depth of a hit times the area, u z0 + v z1 + w z2, is off by at most reach (3 error +
+// 5 eps area), a limit up to reach times the area by as much again, and the limit itself is
+// kSlabFarFactor too large.
+inline constexpr float kDepthErrorEdges = 8;
+inline constexpr float kDepthErrorArea = 32;
 inline constexpr double kDoubleEpsilon = 0x1p-53;
 // Doubled area in units of the error above, below which barycentrics are computed exactly.
 inline constexpr double kWellShaped = 0x1p22;
