@@ -166,8 +166,8 @@ class MaterialConverter {
         out.has_transform = out.transform_u != Vec3f(1, 0, 0) || out.transform_v != Vec3f(0, 1, 0);
     }
 
-    // The file's TEXCOORD_n as one of the two sets of a mesh. Sets 0 and 1 keep their places; a higher
-    // one takes a place that no texture of this material has asked for yet.
+    // The file's TEXCOORD_n as one of the two sets of a mesh. Sets 0 and 1 keep their places; a
+    // higher one takes a place that no texture of this material has asked for yet.
     uint8_t scene_uv_set(int set) {
         const auto wanted = static_cast<uint32_t>(std::clamp(set, 0, kMaxUvSet));
         for (uint8_t place = 0; place < 2; ++place) {
