@@ -74,7 +74,6 @@ struct Tree {
     uint32_t root = 0;
     bool is_empty = true;
     Bounds bounds;
-    float reach = 0;  // largest coordinate of bounds
     uint32_t depth = 0;
     uint64_t triangles = 0;
 
