@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "app/checkpoint.h"
 #include "app/exit_code.h"
 #include "app/run_record.h"
 #include "app/scene_setup.h"
@@ -55,7 +56,8 @@ Status check_outputs(const Options& options) {
                          "unknown kind '" + extension + "'; use .png, .exr, .hdr or .pfm"};
         }
     }
-    for (const std::string& extra : {options.report, options.film, options.screenshot}) {
+    for (const std::string& extra :
+         {options.report, options.film, options.checkpoint, options.screenshot}) {
         if (!extra.empty()) files.push_back(extra);
     }
     for (const std::string& file : files) {
@@ -130,65 +132,19 @@ Status write_image(const std::string& file, const Snapshot& s, const DisplaySett
     return save_png(file, develop(*s.image, display), metadata);
 }
 
-// Two films may be merged when this text and the scene are the same.
-std::string sample_settings(const Snapshot& s) {
-    const Camera& c = s.camera;
-    const Environment& e = s.scene->environment();
-    std::string text = "depth " + std::to_string(s.settings.max_depth) + " sampler " +
-                       std::to_string(static_cast<int>(s.settings.sampler)) + " filter " +
-                       std::to_string(static_cast<int>(s.settings.filter)) + " roulette " +
-                       std::to_string(s.settings.russian_roulette) + " nee " +
-                       std::to_string(s.settings.next_event_estimation) + " environment " +
-                       (e.image ? e.image->sha256 : "none");
-    for (const double value : {c.position.x,
-                               c.position.y,
-                               c.position.z,
-                               c.right.x,
-                               c.right.y,
-                               c.right.z,
-                               c.up.x,
-                               c.up.y,
-                               c.up.z,
-                               c.yfov,
-                               c.xmag,
-                               c.ymag,
-                               c.aperture_radius,
-                               c.focus_distance,
-                               c.lens_shift.x,
-                               c.lens_shift.y,
-                               static_cast<double>(e.color.x),
-                               static_cast<double>(e.color.y),
-                               static_cast<double>(e.color.z),
-                               static_cast<double>(e.rotation_degrees),
-                               static_cast<double>(e.intensity)}) {
-        char number[40];
-        std::snprintf(number, sizeof(number), " %a", value);
-        text += number;
-    }
-    return text;
-}
-
-FilmMetadata film_metadata(const Snapshot& s) {
-    FilmMetadata metadata;
-    metadata.scene_sha256 = s.scene->sha256();
-    metadata.settings = sample_settings(s);
-    metadata.seed = s.settings.seed;
-    metadata.first_sample = s.settings.first_sample;
-    metadata.render_seconds = s.render_seconds;
-    metadata.transparent_background = s.settings.transparent_background;
-    metadata.nonfinite = s.nonfinite;
-    return metadata;
-}
-
 Status write_files(const Options& options, RenderSession& session, const Snapshot& s,
                    std::string& film_hash) {
     for (const std::string& output : options.outputs) {
         if (Status status = write_image(output, s, options.display); !status) return status;
     }
     Status film_status = Done{};
-    session.with_film([&](const Film& film) {
-        if (!options.report.empty()) film_hash = film.hash();
-        if (!options.film.empty()) film_status = save_film(options.film, film, film_metadata(s));
+    session.with_film([&](const FilmView& view) {
+        if (!options.report.empty()) film_hash = view.film.hash();
+        for (const std::string& file : {options.film, options.checkpoint}) {
+            if (file.empty() || !film_status) continue;
+            film_status = save_film(
+                file, view.film, film_metadata(*s.scene, s.camera, s.settings, view), view.error);
+        }
     });
     if (!film_status) return film_status;
     if (!options.screenshot.empty()) {
@@ -204,16 +160,9 @@ int report_error(const Error& error) {
     return exit_code(error);
 }
 
-}  // namespace
-
-int run_headless(const Options& options, Clock::time_point process_start) {
-    if (Status status = check_outputs(options); !status) return report_error(status.error());
-    catch_signals();
-    const auto pool = std::make_shared<WorkerPool>(options.threads);
-    Result<SceneSetup> setup = set_up_scene(options, *pool);
-    if (!setup) return report_error(setup.error());
-
-    // What writing takes is not known before; a small share of the budget is kept for it.
+// What ends the run. What writing takes is not known before; a small share of the budget is kept
+// for it.
+SessionPolicy policy_of(const Options& options, Clock::time_point process_start) {
     constexpr double kWriteShare = 0.02;
     SessionPolicy policy;
     policy.threads = options.threads;
@@ -223,31 +172,42 @@ int run_headless(const Options& options, Clock::time_point process_start) {
         policy.time_limit_seconds = std::max(left, 1e-3);
     }
     if (options.target_error_percent) policy.target_error_percent = *options.target_error_percent;
-    const bool has_end = options.frames || options.time_seconds || options.target_error_percent;
-    const uint64_t frames = options.frames.value_or(has_end ? 0 : 1);
+    return policy;
+}
 
-    RenderSession session(policy, pool);
-    session.submit(SetSettings{setup->settings});
-    session.submit(SetPassLimit{frames});
-    const uint64_t generation = session.submit(SetScene{setup->scene, setup->camera});
+// 0 = no limit. Without any end, one pass, or those of a film that is gone on from.
+uint64_t pass_limit(const Options& options, const std::optional<FilmFile>& resumed) {
+    if (options.frames) return *options.frames;
+    if (options.time_seconds || options.target_error_percent) return 0;
+    return resumed ? std::max<uint64_t>(1, resumed->film.min_samples()) : 1;
+}
+
+// Renders to the end or a signal; true when interrupted.
+bool render(RenderSession& session, const Options& options, const SceneSetup& setup,
+            std::optional<FilmFile> resumed) {
+    session.submit(SetSettings{setup.settings});
+    session.submit(SetPassLimit{pass_limit(options, resumed)});
+    if (resumed) {
+        const FilmMetadata& m = resumed->metadata;
+        session.submit(SetFilm{std::make_shared<FilmState>(
+            FilmState{std::move(resumed->film), std::move(resumed->error), m.render_seconds, m.rays,
+                      m.nonfinite})});
+    }
+    const uint64_t generation = session.submit(SetScene{setup.scene, setup.camera});
+    std::optional<CheckpointWriter> checkpoints;
+    if (!options.checkpoint.empty())
+        checkpoints.emplace(session, setup, options.checkpoint, options.checkpoint_seconds);
     const bool interrupted = wait_for_end(session, generation, options);
     session.stop();
-    const std::shared_ptr<const Snapshot> snapshot = session.latest();
-    if (!snapshot) {
-        log_error("interrupted before the first sample; nothing was written");
-        return kExitInterrupted;
-    }
+    return interrupted;
+}
 
+int finish(const Options& options, RenderSession& session, RunRecord record) {
     const Clock::time_point write_start = Clock::now();
-    RunRecord record;
-    if (Status status = write_files(options, session, *snapshot, record.film_hash); !status)
+    if (Status status = write_files(options, session, *record.snapshot, record.film_hash); !status)
         return report_error(status.error());
-    record.snapshot = snapshot.get();
-    record.threads = pool->size();
-    record.target_error_percent = options.target_error_percent;
-    record.interrupted = interrupted;
-    record.seconds = {setup->load_seconds, setup->build_seconds, snapshot->render_seconds,
-                      seconds_since(write_start), seconds_since(process_start)};
+    record.seconds.write = seconds_since(write_start);
+    record.seconds.total += record.seconds.write;
     if (!options.report.empty()) {
         const std::string text = run_record_json(record);
         const std::span<const char> chars(text);
@@ -255,7 +215,7 @@ int run_headless(const Options& options, Clock::time_point process_start) {
         if (Status status = write_file_atomically(options.report, {bytes, chars.size()}); !status)
             return report_error(status.error());
     }
-    const NonFiniteCount& bad = snapshot->nonfinite;
+    const NonFiniteCount& bad = record.snapshot->nonfinite;
     if (bad.total() > 0) {
         log_warning(std::to_string(bad.total()) +
                     " samples were not usable and count as zero; replay the first with --pixel " +
@@ -263,7 +223,39 @@ int run_headless(const Options& options, Clock::time_point process_start) {
                     std::to_string(bad.first_sample));
         if (options.strict) return kExitFailed;
     }
-    return interrupted ? kExitInterrupted : kExitDone;
+    return record.interrupted ? kExitInterrupted : kExitDone;
+}
+
+}  // namespace
+
+int run_headless(const Options& given, Clock::time_point process_start) {
+    if (Status status = check_outputs(given); !status) return report_error(status.error());
+    catch_signals();
+    Options options = given;
+    Result<std::optional<FilmFile>> resumed = load_resume(options);
+    if (!resumed) return report_error(resumed.error());
+    const auto pool = std::make_shared<WorkerPool>(options.threads);
+    Result<SceneSetup> setup = set_up_scene(options, *pool);
+    if (!setup) return report_error(setup.error());
+    if (*resumed) {
+        if (Status status = check_resume(options, **resumed, *setup); !status)
+            return report_error(status.error());
+    }
+
+    RenderSession session(policy_of(options, process_start), pool);
+    RunRecord record;
+    record.interrupted = render(session, options, *setup, std::move(*resumed));
+    const std::shared_ptr<const Snapshot> snapshot = session.latest();
+    if (!snapshot) {
+        log_error("interrupted before the first sample; nothing was written");
+        return kExitInterrupted;
+    }
+    record.snapshot = snapshot.get();
+    record.threads = pool->size();
+    record.target_error_percent = options.target_error_percent;
+    record.seconds = {setup->load_seconds, setup->build_seconds, snapshot->render_seconds, 0,
+                      seconds_since(process_start)};
+    return finish(options, session, record);
 }
 
 }  // namespace talbot

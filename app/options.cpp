@@ -17,6 +17,7 @@ struct RawOptions {
     std::string size, orbit, tone_map, background = "environment", sampler, filter, pixel,
                                        effects = "auto", log = "info";
     std::string frames, seed, first_sample, threads, max_depth, tile_size, sample;
+    std::optional<double> every;
     double exposure = 0;
     bool quiet = false;
     bool no_roulette = false;
@@ -145,6 +146,11 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
                    "replay an interaction script offscreen and report latencies");
     app.add_option("--report", o.report, "JSON run record");
     app.add_option("--film", o.film, "write the raw film, for `talbot merge`");
+    app.add_option("--checkpoint", o.checkpoint,
+                   "save the whole film here while rendering and at the end, for --resume");
+    app.add_option("--every", raw.every, "seconds between two checkpoints; default 60");
+    app.add_option("--resume", o.resume,
+                   "go on from a checkpoint or film; --frames counts from its first sample");
     app.add_option("--size", raw.size, "image size WxH; default the camera's, else 960x540");
     app.add_option("--threads", raw.threads, "worker threads; default all cores");
     app.add_option("--seed", raw.seed, "seed of the random numbers");
@@ -232,6 +238,11 @@ Status convert_numbers(const RawOptions& raw, Options& o) {
     if (!positive(o.time_seconds)) return usage("--time", "must be above 0 seconds");
     if (!positive(o.target_error_percent))
         return usage("--target-error", "must be above 0 per cent");
+    if (!positive(raw.every)) return usage("--every", "must be above 0 seconds");
+    if (raw.every && o.checkpoint.empty())
+        return usage("--every", "says how often to save; name the file with --checkpoint FILE");
+    constexpr double kCheckpointSeconds = 60;
+    o.checkpoint_seconds = raw.every.value_or(kCheckpointSeconds);
     if (!std::isfinite(raw.exposure) || std::abs(raw.exposure) > 64)
         return usage("--exposure", "must lie between -64 and 64 EV");
     if (!std::isfinite(o.environment_rotation))

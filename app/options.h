@@ -35,6 +35,9 @@ struct Options {
 
     std::string report;
     std::string film;
+    std::string checkpoint;
+    double checkpoint_seconds = 0;
+    std::string resume;
     std::optional<Resolution> size;
     unsigned threads = 0;
     std::string camera;
@@ -55,7 +58,7 @@ struct Options {
 
     bool headless() const {
         return frames || time_seconds || target_error_percent || !outputs.empty() ||
-               !report.empty() || !film.empty();
+               !report.empty() || !film.empty() || !checkpoint.empty() || !resume.empty();
     }
 };
 

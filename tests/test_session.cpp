@@ -42,7 +42,7 @@ RenderSettings small() {
 
 std::string film_hash(RenderSession& session) {
     std::string hash;
-    session.with_film([&](const Film& film) { hash = film.hash(); });
+    session.with_film([&](const FilmView& view) { hash = view.film.hash(); });
     return hash;
 }
 

@@ -135,6 +135,7 @@ json header_of(const Film& film, const FilmMetadata& m, const ErrorTracker::Stat
         {"first_sample", m.first_sample},
         {"passes", film.min_samples()},
         {"render_seconds", m.render_seconds},
+        {"rays", m.rays},
         {"transparent_background", m.transparent_background},
         {"nonfinite",
          {{"nan", bad.nan},
@@ -175,6 +176,7 @@ void read_header(const json& header, FilmFile& file, std::size_t& half, std::siz
     m.seed = header.at("seed").get<uint64_t>();
     m.first_sample = header.at("first_sample").get<uint64_t>();
     m.render_seconds = header.at("render_seconds").get<double>();
+    m.rays = header.at("rays").get<uint64_t>();
     m.transparent_background = header.at("transparent_background").get<bool>();
     const json& bad = header.at("nonfinite");
     m.nonfinite.nan = bad.at("nan").get<uint64_t>();
@@ -381,6 +383,7 @@ Status append_film(FilmFile& whole, const FilmFile& part, const std::string& par
     }
     whole.film = std::move(joined);
     whole.metadata.render_seconds += b.render_seconds;
+    whole.metadata.rays += b.rays;
     whole.metadata.nonfinite.merge(b.nonfinite);
     return Done{};
 }

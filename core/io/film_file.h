@@ -22,6 +22,7 @@ struct FilmMetadata {
     uint64_t seed = 0;
     uint64_t first_sample = 0;
     double render_seconds = 0;
+    uint64_t rays = 0;
     bool transparent_background = false;
     NonFiniteCount nonfinite;
 };

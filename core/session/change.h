@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "core/scene/scene.h"
+#include "core/session/film_state.h"
 #include "core/session/settings.h"
 
 namespace talbot {
@@ -41,9 +42,14 @@ struct SetPassLimit {
 struct SetSelection {
     std::optional<uint32_t> object;  // asks for object ids in the snapshots while set
 };
+// The next restart begins with these samples instead of none; submitted before the SetScene that it
+// belongs to. Its size must be that of the settings, else it is ignored. The state is moved from.
+struct SetFilm {
+    std::shared_ptr<FilmState> state;
+};
 struct Restart {};
 
 using Change = std::variant<SetScene, SetCamera, SetMaterial, SetPunctualLight, SetEnvironment, SetSettings, SetPaused,
-                            SetPassLimit, SetSelection, Restart>;
+                            SetPassLimit, SetSelection, SetFilm, Restart>;
 
 }  // namespace talbot

@@ -1,13 +1,15 @@
 #include "core/session/session.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <deque>
 #include <future>
+#include <utility>
 #include <variant>
 
-#include "core/integrate/kernel.h"
 #include "core/integrate/object_ids.h"
+#include "core/session/render_pass.h"
 #include "core/session/scheduler.h"
 
 namespace talbot {
@@ -17,10 +19,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-bool is_power_of_two(uint64_t n) {
-    return n != 0 && (n & (n - 1)) == 0;
 }
 
 }  // namespace
@@ -79,7 +77,7 @@ class RenderSession::Impl {
         callback_ = std::move(callback);
     }
 
-    void with_film(const std::function<void(const Film&)>& f) {
+    void with_film(const std::function<void(const FilmView&)>& f) {
         if (std::unique_lock lock(mutex_); !stopped_) {
             std::promise<void> done;
             film_requests_.push_back({&f, &done});
@@ -88,14 +86,14 @@ class RenderSession::Impl {
             done.get_future().wait();
             return;
         }
-        f(film_);
+        f(film_view());
     }
 
     unsigned threads() const { return pool_->size(); }
 
   private:
     struct FilmRequest {
-        const std::function<void(const Film&)>* f;
+        const std::function<void(const FilmView&)>* f;
         std::promise<void>* done;
     };
 
@@ -138,8 +136,9 @@ class RenderSession::Impl {
             generation_ = generation;
             after_changes();
         }
+        if (!requests.empty()) renew_film();
         for (const FilmRequest& request : requests) {
-            (*request.f)(film_);
+            (*request.f)(film_view());
             request.done->set_value();
         }
         lock.lock();
@@ -200,7 +199,12 @@ class RenderSession::Impl {
         selection_ = change.object;
         object_ids_.reset();
     }
+    void apply(SetFilm& change) { pending_film_ = std::move(change.state); }
     void apply(Restart&) { restart_ = true; }
+
+    FilmView film_view() const {
+        return {film_, tracker_.state(), render_seconds_, rays_, nonfinite_};
+    }
 
     void replace_scene(std::shared_ptr<const Scene> scene) {
         scene_ = std::make_shared<const RenderScene>(std::move(scene), scene_.get());
@@ -210,11 +214,7 @@ class RenderSession::Impl {
     void after_changes() {
         if (restart_ && scene_) {
             restart_ = false;
-            if (film_.width() == settings_.width && film_.height() == settings_.height) {
-                film_.clear();
-            } else {
-                film_ = Film(settings_.width, settings_.height);
-            }
+            film_is_stale_ = true;
             effects_ = analyse_effects(scene_->scene(), camera_);
             tier_ = smallest_tier(effects_.active | settings_.forced_on);
             passes_ = 0;
@@ -226,13 +226,43 @@ class RenderSession::Impl {
             previews_done_ = 0;
             last_divisor_ = 0;
             object_ids_.reset();
-            tracker_.reset(0);
+            tracker_.reset(0, settings_.first_sample);
+            resumed_seconds_ = 0;
             shown_image_.reset();
+            take_pending_film();
         } else if (scene_ && shown_image_) {
             if (selection_ && !object_ids_) update_object_ids();
             publish(shown_image_, shown_is_preview_);
         }
     }
+
+    void take_pending_film() {
+        const std::shared_ptr<FilmState> state = std::exchange(pending_film_, nullptr);
+        if (!state || state->film.width() != film_.width() ||
+            state->film.height() != film_.height())
+            return;
+        film_ = std::move(state->film);
+        passes_ = film_.min_samples();
+        samples_ = film_.total_samples();
+        rays_ = state->rays;
+        render_seconds_ = state->render_seconds;
+        resumed_seconds_ = state->render_seconds;
+        nonfinite_ = state->nonfinite;
+        tracker_.restore(std::move(state->error));
+        if (passes_ == 0) return;
+        stop_reached_ = target_met();
+        publish(std::make_shared<const ImageRgba>(film_.image(settings_.transparent_background)),
+                false);
+    }
+
+    // As of the last power of two.
+    bool target_met() const {
+        const ErrorEstimate& error = tracker_.estimate();
+        return policy_.target_error_percent > 0 && error.valid &&
+               error.hi95 <= policy_.target_error_percent;
+    }
+
+    double spent_seconds() const { return render_seconds_ - resumed_seconds_; }
 
     void carry_out(const Work& work) {
         switch (work.kind) {
@@ -250,42 +280,19 @@ class RenderSession::Impl {
     // One pass over a film; returns whether every tile was finished.
     bool render(Film& film, uint64_t target, uint64_t& samples, uint64_t& rays,
                 NonFiniteCount& nonfinite) {
-        const CameraRays camera(camera_, scene_->scene().origin(), film.width(), film.height());
-        const PathSettings settings = path_settings(settings_);
-        const TileKernel kernel = tile_kernel(tier_);
-        const uint32_t size = settings_.tile_size;
-        const uint32_t columns = (film.width() + size - 1) / size;
-        const uint32_t rows = (film.height() + size - 1) / size;
-        struct alignas(64) PaddedCounts {
-            TileCounts counts;
-        };
-        std::vector<PaddedCounts> counts(pool_->size());
-        const std::stop_token stop = work_stop_.get_token();
         const bool limited = policy_.time_limit_seconds > 0 && passes_ > 0;
         const Clock::time_point start = Clock::now();
-        pool_->parallel_for(
-            uint64_t{columns} * rows,
-            [&](uint64_t tile, unsigned worker) {
-                if (limited &&
-                    render_seconds_ + seconds_since(start) > policy_.time_limit_seconds) {
-                    work_stop_.request_stop();
-                    return;
-                }
-                TileJob job{scene_.get(), &camera, &settings, &film, settings_.first_sample,
-                            target,       0,       0,         0,     0};
-                job.x0 = static_cast<uint32_t>(tile % columns) * size;
-                job.y0 = static_cast<uint32_t>(tile / columns) * size;
-                job.x1 = std::min(job.x0 + size, film.width());
-                job.y1 = std::min(job.y0 + size, film.height());
-                kernel(job, stop, counts[worker].counts);
-            },
-            stop);
-        for (const PaddedCounts& c : counts) {
-            samples += c.counts.samples;
-            rays += c.counts.rays;
-            nonfinite.merge(c.counts.nonfinite);
-        }
-        return !stop.stop_requested();
+        const auto out_of_time = [&] {
+            return spent_seconds() + seconds_since(start) > policy_.time_limit_seconds;
+        };
+        TileCounts counts;
+        const bool complete = talbot::render_pass(
+            {*scene_, camera_, settings_, tier_, target}, film, *pool_, work_stop_,
+            limited ? std::function<bool()>(out_of_time) : std::function<bool()>(), counts);
+        samples += counts.samples;
+        rays += counts.rays;
+        nonfinite.merge(counts.nonfinite);
+        return complete;
     }
 
     void render_preview(uint32_t divisor) {
@@ -305,7 +312,19 @@ class RenderSession::Impl {
                 true);
     }
 
+    // Clearing the film waits until it is needed, for a preview should not wait for it.
+    void renew_film() {
+        if (!film_is_stale_) return;
+        film_is_stale_ = false;
+        if (film_.width() == settings_.width && film_.height() == settings_.height) {
+            film_.clear();
+        } else {
+            film_ = Film(settings_.width, settings_.height);
+        }
+    }
+
     void render_pass() {
+        renew_film();
         if (selection_ && !object_ids_) update_object_ids();
         const Clock::time_point start = Clock::now();
         uint64_t samples = 0;
@@ -316,15 +335,12 @@ class RenderSession::Impl {
         measure_rate(samples, seconds);
         if (complete) {
             ++passes_;
-            tracker_.observe(film_, passes_, render_seconds_);
+            tracker_.observe(film_, passes_, render_seconds_, pool_.get());
         }
         const bool out_of_time =
-            policy_.time_limit_seconds > 0 && render_seconds_ >= policy_.time_limit_seconds;
+            policy_.time_limit_seconds > 0 && spent_seconds() >= policy_.time_limit_seconds;
         if (out_of_time && passes_ > 0) stop_reached_ = true;
-        if (complete && policy_.target_error_percent > 0 && is_power_of_two(passes_)) {
-            const ErrorEstimate& error = tracker_.estimate();
-            if (error.valid && error.hi95 <= policy_.target_error_percent) stop_reached_ = true;
-        }
+        if (complete && std::has_single_bit(passes_) && target_met()) stop_reached_ = true;
         if (complete || stop_reached_) publish_pass();
     }
 
@@ -332,7 +348,7 @@ class RenderSession::Impl {
     // second only.
     void publish_pass() {
         const bool last = stop_reached_ || (pass_limit_ != 0 && passes_ >= pass_limit_);
-        if (!policy_.interactive && !last && !is_power_of_two(passes_) &&
+        if (!policy_.interactive && !last && !std::has_single_bit(passes_) &&
             seconds_since(last_publish_) < 0.5)
             return;
         publish(std::make_shared<const ImageRgba>(film_.image(settings_.transparent_background)),
@@ -392,6 +408,7 @@ class RenderSession::Impl {
 
     // The last snapshot of a stopped session holds whatever was sampled.
     void finish() {
+        if (scene_) renew_film();
         if (scene_ && samples_ > 0) {
             passes_ = film_.min_samples();
             publish(
@@ -405,7 +422,7 @@ class RenderSession::Impl {
             requests.swap(film_requests_);
         }
         for (const FilmRequest& request : requests) {
-            (*request.f)(film_);
+            (*request.f)(film_view());
             request.done->set_value();
         }
         published_.notify_all();
@@ -434,6 +451,7 @@ class RenderSession::Impl {
     EffectReport effects_;
     std::size_t tier_ = 0;
     Film film_;
+    bool film_is_stale_ = false;  // it holds another state's samples
     ErrorTracker tracker_;
     NonFiniteCount nonfinite_;
     uint64_t generation_ = 0;
@@ -442,6 +460,8 @@ class RenderSession::Impl {
     uint64_t rays_ = 0;
     uint64_t pass_limit_ = 0;
     double render_seconds_ = 0;
+    double resumed_seconds_ = 0;  // of render_seconds_, spent before this session
+    std::shared_ptr<FilmState> pending_film_;
     double measured_rate_ = 0;
     bool paused_ = false;
     bool stop_reached_ = false;
@@ -480,20 +500,11 @@ void RenderSession::stop() {
 void RenderSession::on_snapshot(std::function<void()> callback) {
     impl_->on_snapshot(std::move(callback));
 }
-void RenderSession::with_film(const std::function<void(const Film&)>& f) {
+void RenderSession::with_film(const std::function<void(const FilmView&)>& f) {
     impl_->with_film(f);
 }
 unsigned RenderSession::threads() const {
     return impl_->threads();
-}
-
-std::optional<Pick> pick(const Scene& scene, const Camera& camera, uint32_t width, uint32_t height,
-                         float px, float py) {
-    const std::optional<PickedPoint> found =
-        pick_point(scene, CameraRays(camera, scene.origin(), width, height), px, py);
-    if (!found) return std::nullopt;
-    return Pick{scene.object_of(found->id), scene.material_of(found->id),
-                Vec3d(found->p) + scene.origin()};
 }
 
 }  // namespace talbot

@@ -20,7 +20,7 @@ struct SessionPolicy {
     bool interactive = false;              // low-resolution passes first after a change; a snapshot after every pass
     double preview_seconds = 0.020;        // aimed-at time of such a pass
     unsigned threads = 0;                  // 0 = all cores
-    double time_limit_seconds = 0;         // of rendering; 0 = none. Ends the current pass early.
+    double time_limit_seconds = 0;         // of rendering by this session; 0 = none. Ends the current pass early.
     double target_error_percent = 0;       // stops at a power of two once error.hi95 is below; 0 = off
 };
 
@@ -50,7 +50,7 @@ class RenderSession {
     void on_snapshot(std::function<void()> callback);
 
     // Runs f on the raw film between two passes, on the session's thread, and waits for it.
-    void with_film(const std::function<void(const Film&)>& f);
+    void with_film(const std::function<void(const FilmView&)>& f);
 
     unsigned threads() const;
 
