@@ -13,6 +13,8 @@ using enum ExtensionSupport;
 constexpr auto kTable = std::to_array<ExtensionInfo>({
     {"EXT_mesh_gpu_instancing", supported, ""},
     {"EXT_meshopt_compression", supported, ""},
+    {"EXT_texture_webp", supported, ""},
+    {"KHR_draco_mesh_compression", supported, ""},
     {"KHR_implicit_shapes", supported, ""},
     {"KHR_lights_punctual", supported, ""},
     {"KHR_materials_emissive_strength", supported, ""},
@@ -26,9 +28,7 @@ constexpr auto kTable = std::to_array<ExtensionInfo>({
     {"TALBOT_implicit_surface", supported, ""},
     {"KHR_xmp", ignorable, ""},
     {"KHR_xmp_json_ld", ignorable, ""},
-    {"EXT_texture_webp", unsupported, "WebP textures are left out"},
     {"KHR_animation_pointer", unsupported, "animated properties keep their values"},
-    {"KHR_draco_mesh_compression", unsupported, "compressed meshes are not read"},
     {"KHR_materials_anisotropy", unsupported, "highlights are isotropic"},
     {"KHR_materials_clearcoat", unsupported, "clear coats are left out"},
     {"KHR_materials_diffuse_transmission", unsupported, "diffuse transmission is left out"},
