@@ -55,7 +55,13 @@ void InteractionRunner::frame() {
         last = now_seconds();
     }
     if (!loop_.needs_frame()) return;
-    loop_.step();
+    loop_.update();
+    for (double delay = loop_.draw_delay(); delay > 0; delay = loop_.draw_delay()) {
+        std::unique_lock lock(mutex_);
+        woken_.wait_for(lock, std::chrono::duration<double>(delay), [&] { return has_news_; });
+        has_news_ = false;
+    }
+    loop_.draw();
     ++frames_;
 }
 
@@ -140,6 +146,7 @@ std::string InteractionRunner::set_value(const std::string& path,
     if (!value) return value.error().line();
     const Status set = set_parameter(loop_.model(), loop_.edits(), path, *value);
     if (!set) return set.error().line();
+    loop_.redraw();
     frame();
     return {};
 }

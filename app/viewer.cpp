@@ -82,7 +82,11 @@ Status run_viewer(const ViewerOptions& options) {
         }
         if (!loop.needs_frame()) continue;
         last_frame = now_seconds();
-        loop.step();
+        loop.update();
+        // Ends early when the image arrives; input that comes meanwhile is kept for the next frame.
+        for (double delay = loop.draw_delay(); delay > 0; delay = loop.draw_delay())
+            window.wait(loop.input(), delay);
+        loop.draw();
         window.follow_panels();
         const std::string wanted =
             loop.model().scene

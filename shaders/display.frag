@@ -1,18 +1,15 @@
 #version 330 core
 // From scene-linear radiance to the screen: channel, exposure, tone curve, sRGB, checkerboard, outline of the selection.
 // The tone curves are the twin of core/film/tone_map.cpp; the numbers of tone maps and channels are its enumerators.
+// Compiled for each look with HAS_ALPHA, HAS_OUTLINE, FALSE_COLOR (0 or 1), TONE_MAP and CHANNEL, for software rasterisers
+// pay for both sides of every branch.
 in vec2 image_uv;
 out vec4 fragment;
 
 uniform sampler2D image;        // RGB, premultiplied where has_alpha is set
 uniform sampler2D coverage;     // R: alpha
 uniform usampler2D object_ids;  // R
-uniform int has_alpha;
-uniform int has_object_ids;
 uniform float exposure_ev;
-uniform int tone_map;
-uniform int channel;
-uniform int false_color;
 uniform uint selected_object;
 uniform vec2 outline_uv;        // thickness of the outline in image_uv
 uniform float checker_px;
@@ -77,9 +74,9 @@ vec3 apply_tone_map(vec3 exposed) {
     if (!is_finite(exposed)) return vec3(1.0, 0.0, 1.0);
     vec3 c = clamp(exposed, 0.0, kLargestExposed);
     vec3 mapped = c;
-    if (tone_map == 1) mapped = tone_map_aces(c);
-    if (tone_map == 2) mapped = tone_map_agx(c);
-    if (tone_map == 3) mapped = tone_map_neutral(c);
+    if (TONE_MAP == 1) mapped = tone_map_aces(c);
+    if (TONE_MAP == 2) mapped = tone_map_agx(c);
+    if (TONE_MAP == 3) mapped = tone_map_neutral(c);
     return clamp(mapped, 0.0, 1.0);
 }
 
@@ -91,10 +88,10 @@ float srgb_from_linear(float linear) {
 float luminance(vec3 c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
 vec3 select_channel(vec3 exposed) {
-    if (channel == 1) return vec3(exposed.x);
-    if (channel == 2) return vec3(exposed.y);
-    if (channel == 3) return vec3(exposed.z);
-    if (channel == 5) return vec3(luminance(exposed));
+    if (CHANNEL == 1) return vec3(exposed.x);
+    if (CHANNEL == 2) return vec3(exposed.y);
+    if (CHANNEL == 3) return vec3(exposed.z);
+    if (CHANNEL == 5) return vec3(luminance(exposed));
     return exposed;
 }
 
@@ -130,19 +127,19 @@ bool is_on_outline(vec2 uv) {
 }
 
 void main() {
-    float alpha = has_alpha != 0 ? texture(coverage, image_uv).r : 1.0;
+    float alpha = HAS_ALPHA != 0 ? texture(coverage, image_uv).r : 1.0;
     vec3 encoded;
-    if (channel == 4) {
+    if (CHANNEL == 4) {
         encoded = vec3(clamp(alpha, 0.0, 1.0));
     } else {
         vec3 exposed = texture(image, image_uv).rgb * exp2(exposure_ev);
-        bool straight_alpha = has_alpha != 0 && channel == 0;
+        bool straight_alpha = HAS_ALPHA != 0 && CHANNEL == 0;
         if (straight_alpha) exposed = alpha > 0.0 ? exposed / alpha : vec3(0.0);
         vec3 mapped = apply_tone_map(select_channel(exposed));
         encoded = vec3(srgb_from_linear(mapped.x), srgb_from_linear(mapped.y), srgb_from_linear(mapped.z));
-        if (false_color != 0 && is_finite(exposed)) encoded = false_color_of(exposed);
+        if (FALSE_COLOR != 0 && is_finite(exposed)) encoded = false_color_of(exposed);
         if (straight_alpha) encoded = mix(checkerboard(), encoded, clamp(alpha, 0.0, 1.0));
     }
-    if (has_object_ids != 0 && is_on_outline(image_uv)) encoded = vec3(1.0, 0.58, 0.1);
+    if (HAS_OUTLINE != 0 && is_on_outline(image_uv)) encoded = vec3(1.0, 0.58, 0.1);
     fragment = vec4(encoded, 1.0);
 }

@@ -37,20 +37,20 @@ bool exact_box(const Ray& ray, const Bounds& box) {
 bool own_box(const Ray& ray, const Bounds& box, bool fused) {
     LocalRay local;
     if (!to_world_kernel(ray, local)) return false;
-    const SlabRay slabs = make_slab_ray(local, box);
+    const SlabRay slabs = make_slab_ray(local.sheared, box);
     const auto plane_t = [&](float p, float r, float c) {
         return fused ? std::fma(p, r, -c) : p * r - c;
     };
     float enter = 0;
-    float leave = ray.t_max / local.t_scale;
+    float leave = ray.t_max / local.t_scale * kSlabFarFactor;
     for (int i = 0; i < 3; ++i) {
-        const bool negative = slabs.is_negative[i] != 0;
+        const bool negative = std::signbit(local.sheared.d[i]);
         const float near_p = negative ? box.upper[i] : box.lower[i];
         const float far_p = negative ? box.lower[i] : box.upper[i];
         enter = std::max(enter, plane_t(near_p, slabs.reciprocal[i], slabs.near_offset[i]));
-        leave = std::min(leave, plane_t(far_p, slabs.reciprocal[i], slabs.far_offset[i]));
+        leave = std::min(leave, plane_t(far_p, slabs.far_reciprocal[i], slabs.far_offset[i]));
     }
-    return enter <= leave * kSlabFarFactor;
+    return enter <= leave;
 }
 
 bool textbook_box(const Ray& ray, const Bounds& box) {

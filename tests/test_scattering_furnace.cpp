@@ -1,39 +1,54 @@
-// White surfaces return what they receive.
+// White surfaces return what they receive, no less and no more (catalogue S07), by quadrature of
+// eval() and by sample().
 #include <gtest/gtest.h>
 
-#include "core/scattering/bsdf.h"
+#include "tests/scattering_cases.h"
+#include "tests/stats/random.h"
+#include "tests/stats/ztest.h"
 
 namespace talbot {
 namespace {
 
-constexpr EffectSet kFull = EffectSet::all();
+constexpr std::array<float, 4> kCosines{1.0f, 0.5f, 0.1f, 0.01f};
 
-// Monte Carlo albedo on a grid of u, power (not radiance) for what is refracted.
-double grid_albedo(const ShadingParams& p, float mu, bool outside) {
-    const Frame frame;
-    const Vec3f wo(std::sqrt(1 - mu * mu), 0, mu);
-    const Bsdf<kFull> bsdf(p, frame, frame.n, wo, outside);
-    constexpr int kN = 64;
-    double sum = 0;
-    for (int i = 0; i < kN; ++i) {
-        for (int j = 0; j < kN; ++j) {
-            for (int k = 0; k < kN; ++k) {
-                const auto u = [](int n) { return (static_cast<float>(n) + 0.5f) / kN; };
-                const auto s = bsdf.sample(u(i), Vec2f(u(j), u(k)));
-                if (s) sum += static_cast<double>(s->weight.y * s->eta * s->eta);
+struct Extremes {
+    double low = 1;
+    double high = 1;
+    std::string lowest;
+    std::string highest;
+
+    void add(double x, const std::string& who) {
+        if (x < low) low = x, lowest = who;
+        if (x > high) high = x, highest = who;
+    }
+};
+
+TEST(Furnace, WhiteSurfacesReturnAll) {
+    for (std::size_t kind = 0; kind < white_surfaces(1).size(); ++kind) {
+        Extremes extremes;
+        for (int step = 0; step <= 10; ++step) {
+            const float roughness = 0.1f * static_cast<float>(step);
+            const ScatteringCase c = white_surfaces(roughness * roughness)[kind];
+            for (const float mu : kCosines) {
+                extremes.add(albedo(c, {mu}), "roughness " + std::to_string(roughness) + " mu " +
+                                                  std::to_string(mu));
             }
         }
+        const std::string name = white_surfaces(1)[kind].name;
+        std::printf("%-20s %.4f .. %.4f\n", name.c_str(), extremes.low, extremes.high);
+        EXPECT_GT(extremes.low, 1 - 0.005) << name << " at " << extremes.lowest;
+        EXPECT_LT(extremes.high, 1 + 0.002) << name << " at " << extremes.highest;
     }
-    return sum / (kN * kN * kN);
 }
 
-TEST(Furnace, SmoothGlassReturnsAll) {
-    ShadingParams p;
-    p.transmission = 1;
-    p.thin = false;
-    p.alpha = 0;
-    EXPECT_NEAR(grid_albedo(p, 0.5f, true), 1, 0.005);
-    EXPECT_NEAR(grid_albedo(p, 0.5f, false), 1, 0.005);
+TEST(Furnace, ControlSeesTwoPerCent) {
+    // A base colour of 0.98 returns less by about as much; so does specular light taken twice.
+    ScatteringCase c = white_surfaces(0.25f)[1];
+    c.params.base_color = Rgb(0.98f);
+    EXPECT_LT(albedo(c, {0.5f}), 1 - 0.005);
+    const AlbedoRow row(0.25f);
+    c = white_surfaces(0.25f)[1];
+    EXPECT_GT(albedo(c, {0.1f}) + 0.02 * static_cast<double>(row(0.1f).e()), 1 + 0.002);
 }
 
 }  // namespace

@@ -146,5 +146,19 @@ TEST(InputQueue, SplitsClicksOverFrames) {
     EXPECT_TRUE(queue.empty());
 }
 
+// A chord that arrives at once is still a chord: its modifier is down in the frame of the press.
+TEST(InputQueue, KeepsChordsTogether) {
+    InputQueue queue;
+    queue.push(InputEvent::key_at(Key::left_control, true));
+    queue.push(InputEvent::key_at(key_of('s'), true));
+    queue.push(InputEvent::key_at(Key::left_control, false));
+    queue.push(InputEvent::key_at(key_of('s'), false));
+    const std::vector<InputEvent> first = queue.take_frame();
+    ASSERT_EQ(first.size(), 2u);
+    EXPECT_TRUE(first[0].pressed && first[1].pressed);
+    EXPECT_EQ(queue.take_frame().size(), 2u);
+    EXPECT_TRUE(queue.empty());
+}
+
 }  // namespace
 }  // namespace talbot

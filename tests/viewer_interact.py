@@ -42,7 +42,7 @@ def check_tour(binary, scenes, folder):
     done, report = run(binary, os.path.join(scenes, "cornell.gltf"), [
         {"do": "wait", "passes": 1},
         {"do": "measure"},
-        {"do": "orbit", "dx": 80, "dy": -20, "frames": 15},
+        {"do": "orbit", "dx": 24, "dy": -6, "frames": 15},
         {"do": "sweep", "path": "materials[1].roughness_factor", "from": 0.2, "to": 0.9, "frames": 8},
         {"do": "expect", "path": "materials[1].roughness_factor", "value": 0.9, "tolerance": 1e-6},
         {"do": "set", "path": "display.tone_map", "value": "agx"},
@@ -97,7 +97,7 @@ def check_random(binary, scenes, folder):
 
 
 def main():
-    binary, scenes = sys.argv[1:3]
+    binary, scenes = map(os.path.abspath, sys.argv[1:3])
     try:
         with tempfile.TemporaryDirectory() as folder:
             check_tour(binary, scenes, folder)

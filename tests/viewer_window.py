@@ -136,6 +136,12 @@ def check(desktop):
         pixels = centre_of_image(desktop)
         return sum(sum(p) for p in pixels) / len(pixels)
 
+    def settled():
+        first = centre_of_image(desktop)
+        time.sleep(0.6)
+        return difference(first, centre_of_image(desktop)) < 1.5
+
+    wait_for("the image settles after the drag", settled)
     before = brightness()
     for _ in range(6):
         desktop.do("key", "bracketleft")
@@ -169,7 +175,7 @@ def check(desktop):
 
 
 def main():
-    binary, scene = sys.argv[1:3]
+    binary, scene = map(os.path.abspath, sys.argv[1:3])
     for tool in ("Xvfb", "xdotool"):
         if not shutil.which(tool):
             print(f"SKIPPED: {tool} is not installed, THE WINDOW IS NOT TESTED (apt-get install xvfb xdotool)")

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/log.h"
 #include "core/math/ray.h"
 
 namespace talbot {
@@ -55,7 +56,7 @@ Display::~Display() {
 }
 
 Status Display::load() {
-    if (Status loaded = program_.load("display"); !loaded) return loaded;
+    if (const auto loaded = program_for({}, false, false, false); !loaded) return loaded.error();
     gl_.GenVertexArrays(1, &vertex_array_);
     GLuint textures[3] = {};
     gl_.GenTextures(3, textures);
@@ -71,6 +72,26 @@ Status Display::load() {
     upload(gl_, object_texture_, object_size_, {1, 1}, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT,
            &no_object);
     return Done{};
+}
+
+Result<const ShaderProgram*> Display::program_for(const DisplaySettings& settings, bool has_alpha,
+                                                  bool outlined, bool false_color) {
+    std::string defines;
+    const auto define = [&](const char* name, int value) {
+        defines += std::string("#define ") + name + ' ' + std::to_string(value) + '\n';
+    };
+    define("HAS_ALPHA", has_alpha);
+    define("HAS_OUTLINE", outlined);
+    define("FALSE_COLOR", false_color);
+    define("TONE_MAP", static_cast<int>(settings.tone_map));
+    define("CHANNEL", static_cast<int>(settings.channel));
+    std::unique_ptr<ShaderProgram>& program = programs_[defines];
+    if (!program) {
+        auto compiled = std::make_unique<ShaderProgram>(gl_);
+        if (Status loaded = compiled->load("display", defines); !loaded) return loaded.error();
+        program = std::move(compiled);
+    }
+    return program.get();
 }
 
 bool Display::update(const Snapshot& snapshot) {
@@ -124,21 +145,23 @@ void Display::draw(const PixelRect& rect, PixelSize framebuffer, const DisplaySe
     set_sampling(gl_, GL_TEXTURE1, alpha_texture_, whole && !preview ? GL_NEAREST : GL_LINEAR);
     set_sampling(gl_, GL_TEXTURE2, object_texture_, GL_NEAREST);
 
-    program_.use();
-    gl_.Uniform1i(program_.location("image"), 0);
-    gl_.Uniform1i(program_.location("coverage"), 1);
-    gl_.Uniform1i(program_.location("object_ids"), 2);
-    gl_.Uniform1i(program_.location("has_alpha"), image_->alpha.empty() ? 0 : 1);
-    gl_.Uniform1i(program_.location("has_object_ids"), outlined ? 1 : 0);
-    gl_.Uniform1f(program_.location("exposure_ev"), settings.exposure_ev);
-    gl_.Uniform1i(program_.location("tone_map"), static_cast<GLint>(settings.tone_map));
-    gl_.Uniform1i(program_.location("channel"), static_cast<GLint>(settings.channel));
-    gl_.Uniform1i(program_.location("false_color"), overlay.false_color ? 1 : 0);
-    gl_.Uniform1ui(program_.location("selected_object"), overlay.selected_object.value_or(kNoId));
+    const Result<const ShaderProgram*> found =
+        program_for(settings, !image_->alpha.empty(), outlined, overlay.false_color);
+    if (!found) {
+        log_error(found.error().line());
+        return;
+    }
+    const ShaderProgram& program = **found;
+    program.use();
+    gl_.Uniform1i(program.location("image"), 0);
+    gl_.Uniform1i(program.location("coverage"), 1);
+    gl_.Uniform1i(program.location("object_ids"), 2);
+    gl_.Uniform1f(program.location("exposure_ev"), settings.exposure_ev);
+    gl_.Uniform1ui(program.location("selected_object"), overlay.selected_object.value_or(kNoId));
     const float thickness = 2 * overlay.scale;
-    gl_.Uniform2f(program_.location("outline_uv"), thickness / static_cast<float>(rect.width),
+    gl_.Uniform2f(program.location("outline_uv"), thickness / static_cast<float>(rect.width),
                   thickness / static_cast<float>(rect.height));
-    gl_.Uniform1f(program_.location("checker_px"), 8 * overlay.scale);
+    gl_.Uniform1f(program.location("checker_px"), 8 * overlay.scale);
 
     gl_.Viewport(rect.x, framebuffer.height - rect.y - rect.height, rect.width, rect.height);
     gl_.BindVertexArray(vertex_array_);

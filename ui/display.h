@@ -3,8 +3,10 @@
 // the render.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/result.h"
@@ -42,7 +44,7 @@ struct DisplayOverlay {
 
 class Display {
   public:
-    explicit Display(const GlFunctions& gl) : gl_(gl), program_(gl) {}
+    explicit Display(const GlFunctions& gl) : gl_(gl) {}
     ~Display();
     Display(const Display&) = delete;
     Display& operator=(const Display&) = delete;
@@ -60,11 +62,14 @@ class Display {
               const DisplayOverlay& overlay);
 
   private:
+    // The shader for a look, compiled when it is first asked for.
+    Result<const ShaderProgram*> program_for(const DisplaySettings& settings, bool has_alpha,
+                                             bool outlined, bool false_color);
     void upload_image();
     void upload_object_ids(uint32_t width, uint32_t height);
 
     const GlFunctions& gl_;
-    ShaderProgram program_;
+    std::map<std::string, std::unique_ptr<ShaderProgram>> programs_;  // by their defines
     GLuint vertex_array_ = 0;
     GLuint image_texture_ = 0;
     GLuint alpha_texture_ = 0;

@@ -18,6 +18,8 @@ namespace {
 constexpr int kSettleFrames = 3;
 // The window's size must rest this long before the image follows.
 constexpr double kResizeRest = 0.12;
+// A frame is put off this long for the image that its own change asked for.
+constexpr double kLatchSeconds = 0.03;
 constexpr double kNoticeSeconds = 6;
 constexpr float kExposureStep = 1.0f / 3.0f;
 
@@ -87,21 +89,42 @@ bool FrameLoop::needs_frame() const {
            std::any_of(std::begin(io.MouseDown), std::end(io.MouseDown), [](bool b) { return b; });
 }
 
-void FrameLoop::step() {
-    const double start = now_seconds();
-    const double gl_before = gl_seconds_;
-    ImGui::SetCurrentContext(imgui_);
+void FrameLoop::redraw() {
+    settle_frames_ = std::max(settle_frames_, 1);
+}
 
+void FrameLoop::step() {
+    update();
+    draw();
+}
+
+void FrameLoop::update() {
+    const double start = now_seconds();
+    ImGui::SetCurrentContext(imgui_);
     take_input(start);
     draw_ui(start - last_step_);
     finish_jobs();
     follow_window(start);
     submit_changes(start);
-    draw_and_present();
-
     last_step_ = start;
+    update_seconds_ = now_seconds() - start;
+}
+
+double FrameLoop::draw_delay() const {
+    const std::shared_ptr<const Snapshot> latest = session_.latest();
+    if (latest && latest->generation >= generation_) return 0;
+    return std::max(0.0, latch_until_ - now_seconds());
+}
+
+void FrameLoop::draw() {
+    const double start = now_seconds();
+    const double gl_before = gl_seconds_;
+    ImGui::SetCurrentContext(imgui_);
+    draw_and_present();
+    latch_until_ = 0;
     const double end = now_seconds();
-    recorder_.frame(end - start - (gl_seconds_ - gl_before), gl_seconds_ - gl_before);
+    const double gl_seconds = gl_seconds_ - gl_before;
+    recorder_.frame(update_seconds_ + (end - start) - gl_seconds, gl_seconds);
     recorder_.presented(snapshot_ ? snapshot_->generation : 0, end, gl_seconds_);
 }
 
@@ -325,7 +348,9 @@ void FrameLoop::submit_changes(double input_time) {
         ChangeKind kind;
         const bool shows = change_kind(change, kind);
         generation_ = session_.submit(std::move(change));
-        if (shows) recorder_.submitted(generation_, kind, input_time);
+        if (!shows) continue;
+        recorder_.submitted(generation_, kind, input_time);
+        latch_until_ = input_time + kLatchSeconds;
     }
 }
 

@@ -1,6 +1,6 @@
-// One step of the viewer: take input, draw panels, submit changes, take the latest snapshot, draw,
-// present. The window, the offscreen screenshot and replayed scripts all run this loop; they differ
-// in where input and OpenGL come from. It never waits for the session.
+// One step of the viewer: take input, lay out panels, submit changes, take the latest snapshot,
+// draw, present. The window, the offscreen screenshot and replayed scripts all run this loop; they
+// differ in where input and OpenGL come from. It never waits for the session.
 #pragma once
 
 #include <memory>
@@ -47,6 +47,17 @@ class FrameLoop {
     // Whether a step would draw something that the last one did not.
     bool needs_frame() const;
 
+    // Asks for a frame although no input came: something was changed from outside.
+    void redraw();
+
+    // A frame in two halves: input, panels and changes; then what there is to see. Between them the
+    // caller may wait for events until the image of a change that was just submitted is there, so
+    // that it is not seen a frame late.
+    void update();
+    // Seconds that drawing may still be put off for that image; 0 = draw now.
+    double draw_delay() const;
+    void draw();
+    // Both at once.
     void step();
 
     // What the last step showed; null before the first image.
@@ -101,6 +112,8 @@ class FrameLoop {
     bool notice_is_error_ = false;
     double notice_until_ = 0;
     double last_step_ = 0;
+    double update_seconds_ = 0;
+    double latch_until_ = 0;  // drawing waits for the image of generation_ no longer than this
     double gl_seconds_ = 0;
     float scale_ = 0;
     uint64_t generation_ = 0;

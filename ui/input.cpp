@@ -111,12 +111,16 @@ std::vector<InputEvent> InputQueue::take_frame() {
     std::vector<InputEvent> frame;
     std::set<std::pair<InputEvent::Kind, int>> changed;
     bool button_changed = false;
+    bool pressed = false;
     while (!events_.empty()) {
         const InputEvent& event = events_.front();
         if (event.kind == InputEvent::Kind::button || event.kind == InputEvent::Kind::key) {
             const int code = event.kind == InputEvent::Kind::key ? static_cast<int>(event.key)
                                                                  : static_cast<int>(event.button);
             if (!changed.emplace(event.kind, code).second) break;
+            // A modifier that is let go after a press still belongs to that press.
+            if (pressed && !event.pressed) break;
+            pressed |= event.pressed;
             button_changed |= event.kind == InputEvent::Kind::button;
         }
         // A move after a click belongs to the next frame: the click happened where the pointer was.

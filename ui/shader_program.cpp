@@ -25,15 +25,16 @@ GLuint compile(const GlFunctions& gl, GLenum type, const std::string& source,
     return 0;
 }
 
-Result<GLuint> compile_file(const GlFunctions& gl, GLenum type, const std::string& relative) {
+Result<GLuint> compile_file(const GlFunctions& gl, GLenum type, const std::string& relative,
+                            const std::string& defines) {
     const std::filesystem::path path = find_data(relative);
     std::ifstream in(path, std::ios::binary);
     if (!in) {
         return Error{ErrorKind::failed, path.string(), "",
                      "shader not found (set TALBOT_DATA_DIR to the folder that holds shaders/)"};
     }
-    const std::string source((std::istreambuf_iterator<char>(in)),
-                             std::istreambuf_iterator<char>());
+    std::string source((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    source.insert(source.find('\n') + 1, defines);
     std::string message;
     const GLuint shader = compile(gl, type, source, message);
     if (!shader) return Error{ErrorKind::failed, path.string(), "", message};
@@ -46,11 +47,12 @@ ShaderProgram::~ShaderProgram() {
     if (program_) gl_.DeleteProgram(program_);
 }
 
-Status ShaderProgram::load(const std::string& name) {
-    const Result<GLuint> vertex = compile_file(gl_, GL_VERTEX_SHADER, "shaders/" + name + ".vert");
+Status ShaderProgram::load(const std::string& name, const std::string& defines) {
+    const Result<GLuint> vertex =
+        compile_file(gl_, GL_VERTEX_SHADER, "shaders/" + name + ".vert", "");
     if (!vertex) return vertex.error();
     const Result<GLuint> fragment =
-        compile_file(gl_, GL_FRAGMENT_SHADER, "shaders/" + name + ".frag");
+        compile_file(gl_, GL_FRAGMENT_SHADER, "shaders/" + name + ".frag", defines);
     if (!fragment) {
         gl_.DeleteShader(*vertex);
         return fragment.error();

@@ -15,8 +15,9 @@ class ShaderProgram {
     ShaderProgram(const ShaderProgram&) = delete;
     ShaderProgram& operator=(const ShaderProgram&) = delete;
 
-    // Reads shaders/NAME.vert and shaders/NAME.frag; the error holds the driver's message.
-    Status load(const std::string& name);
+    // Reads shaders/NAME.vert and shaders/NAME.frag; the error holds the driver's message. Defines
+    // are lines that follow #version in the fragment shader.
+    Status load(const std::string& name, const std::string& defines = {});
 
     void use() const { gl_.UseProgram(program_); }
     GLint location(const char* uniform) const { return gl_.GetUniformLocation(program_, uniform); }

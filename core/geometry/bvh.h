@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/geometry/accel.h"
+#include "core/geometry/force_inline.h"
 #include "core/math/ray.h"
 #include "core/math/vec.h"
 
@@ -54,6 +55,16 @@ struct alignas(64) TriangleBlock {
     float extent[kBlockWidth];
     uint32_t primitive[kBlockWidth];
     uint32_t instance[kBlockWidth];  // kNoId in the tree of a mesh that instances share
+};
+
+// Coordinates of one lane, for intersect_triangle.
+struct BlockCorner {
+    const TriangleBlock& block;
+    uint32_t lane;
+
+    TALBOT_FORCE_INLINE float operator()(uint32_t k, uint32_t axis) const {
+        return block.vertex[k][axis][lane];
+    }
 };
 
 struct Tree {

@@ -43,8 +43,10 @@ struct Range {
     uint64_t begin = 0;
     uint64_t end = 0;
     Box box;
-    Box centroids;  // of doubled centroids, lower + upper
-    bool is_leaf = false;
+    Box centroids;         // of doubled centroids, lower + upper
+    bool is_leaf = false;  // when it becomes a child, rather than an inner node
+    bool is_worth_splitting =
+        true;  // among children of one node, where a further child costs nothing
     int axis = kNoAxis;
     uint32_t split_bin = 0;
 
@@ -99,7 +101,7 @@ class Builder {
             size_t best = children.size();
             double best_key = -1;
             for (size_t i = 0; i < children.size(); ++i) {
-                if (children[i].is_leaf) continue;
+                if (!children[i].is_worth_splitting) continue;
                 // Past the depth limit the largest count goes first, so that every level divides it
                 // by eight.
                 const double key = depth < kMaxAreaDepth ? children[i].box.half_area()
@@ -192,16 +194,19 @@ class Builder {
                                      : objects == 0 || (objects == range.size() && objects == 1);
         if (range.size() == 1 || (may_be_leaf && range.size() <= kBlockWidth)) {
             range.is_leaf = true;
+            range.is_worth_splitting = false;
             return;
         }
-        const double split_cost = depth < kMaxAreaDepth ? choose_bin(range) : kInfinity;
+        const double children_cost = depth < kMaxAreaDepth ? choose_bin(range) : kInfinity;
+        if (!may_be_leaf) return;
         const double leaf_cost =
             static_cast<double>(blocks_of(range.size())) * range.box.half_area();
-        if (may_be_leaf && leaf_cost <= split_cost) range.is_leaf = true;
+        range.is_leaf = leaf_cost <= children_cost + range.box.half_area();
+        range.is_worth_splitting = children_cost < leaf_cost;
     }
 
-    // Sets axis and split_bin of the cheapest split and returns its cost, infinite when there is
-    // none.
+    // Sets axis and split_bin of the cheapest split and returns the cost of its two parts, infinite
+    // when there is none.
     double choose_bin(Range& range) const {
         struct Bin {
             Box box;
@@ -244,7 +249,7 @@ class Builder {
                 }
             }
         }
-        return best + range.box.half_area();
+        return best;
     }
 
     // Orders the range's primitives for its split and returns where the second part begins.

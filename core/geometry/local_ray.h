@@ -2,6 +2,8 @@
 // of range, moved into the space of an instance, and with the constants of the slab test.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -17,28 +19,43 @@ inline bool comes_before(const PrimitiveId& a, const PrimitiveId& b) {
     return a.instance != b.instance ? a.instance < b.instance : a.primitive < b.primitive;
 }
 
+// Four floats with elementwise arithmetic, in one register where there are such.
+using Float4 = float __attribute__((vector_size(16)));
+
 // A ray in the space of one tree. Its own t times t_scale (a power of two) is the world ray's t.
 struct LocalRay {
     ShearedRay sheared;
     float t_scale = 1;
+    float t_unscale = 1;        // 1 / t_scale
     uint32_t instance = kNoId;  // of all triangles of the tree, unless kNoId
 };
 
+struct SlabRay;
+
+namespace local_ray_detail {
+
+// The rays that to_world_kernel does not take as they are: direction out of range, or nothing to
+// hit at all.
+bool rescale(const Ray& ray, LocalRay& local);
+
+// Slabs that the ray runs along, or all but along.
+void set_parallel_slabs(const ShearedRay& ray, const Bounds& bounds, SlabRay& slabs);
+
+}  // namespace local_ray_detail
+
 // False when nothing can be hit: not finite, out of range or without direction.
-inline bool to_world_kernel(const Ray& ray, LocalRay& local) {
-    if (!(ray.t_max > 0) || !is_finite(ray.o) || !is_finite(ray.d)) return false;
-    const float largest = max_component(glm::abs(ray.d));
-    if (!(largest > 0) || max_component(glm::abs(ray.o)) > kMaxCoordinate) return false;
-    if (largest >= kMinDirection && largest <= kMaxDirection) {
-        local.sheared = shear(ray.o, ray.d);
-        return true;
-    }
-    const int exponent = std::ilogb(largest);
-    local.sheared =
-        shear(ray.o, Vec3f(std::ldexp(ray.d.x, -exponent), std::ldexp(ray.d.y, -exponent),
-                           std::ldexp(ray.d.z, -exponent)));
-    local.t_scale = std::ldexp(1.0f, -exponent);
-    return is_finite(local.t_scale) && is_finite(1 / local.t_scale);
+TALBOT_FORCE_INLINE bool to_world_kernel(const Ray& ray, LocalRay& local) {
+    const uint32_t origin = std::max(magnitude_bits(ray.o.x),
+                                     std::max(magnitude_bits(ray.o.y), magnitude_bits(ray.o.z)));
+    const uint32_t direction = std::max(magnitude_bits(ray.d.x),
+                                        std::max(magnitude_bits(ray.d.y), magnitude_bits(ray.d.z)));
+    constexpr uint32_t kLeast = magnitude_bits(kMinDirection);
+    constexpr uint32_t kMost = magnitude_bits(kMaxDirection);
+    const bool usual = (origin <= magnitude_bits(kMaxCoordinate)) &
+                       (direction - kLeast <= kMost - kLeast) & (ray.t_max > 0);
+    if (!usual) return local_ray_detail::rescale(ray, local);
+    set_shear(local.sheared, ray.o, ray.d);
+    return true;
 }
 
 // x rounded to float even if it is used as a double afterwards. GCC before 13 folds the two
@@ -67,38 +84,34 @@ inline bool to_object_space(const Ray& ray, const SceneObject& object, LocalRay&
     const double scale = std::ldexp(1.0, -exponent);
     local.sheared = shear(rounded(o), rounded(d * scale));
     local.t_scale = static_cast<float>(scale);
+    local.t_unscale = 1 / local.t_scale;
     local.instance = object.id;
-    return local.t_scale > 0 && is_finite(local.t_scale) && is_finite(1 / local.t_scale);
+    return local.t_scale > 0 && is_finite(local.t_scale) && is_finite(local.t_unscale);
 }
 
-// Plane p is met at p r - c; see kSlabOriginPad. Near planes use near_offset, far planes
-// far_offset.
+// Near planes p are met at p reciprocal - near_offset, far planes likewise with the far constants;
+// see kSlabOriginPad. The fourth lanes are unused.
 struct SlabRay {
-    Vec3f reciprocal;
-    Vec3f near_offset;
-    Vec3f far_offset;
-    uint32_t is_negative[3];
+    Float4 reciprocal;
+    Float4 near_offset;
+    Float4 far_reciprocal;
+    Float4 far_offset;
 };
 
-inline SlabRay make_slab_ray(const LocalRay& ray, const Bounds& bounds) {
-    const Vec3f& o = ray.sheared.o;
-    const Vec3f& d = ray.sheared.d;
-    const float largest = std::abs(d[ray.sheared.kz]);
+TALBOT_FORCE_INLINE SlabRay make_slab_ray(const ShearedRay& ray, const Bounds& bounds) {
+    const Float4 d = {ray.d[0], ray.d[1], ray.d[2], 1};
+    const Float4 o = {ray.o[0], ray.o[1], ray.o[2], 0};
     SlabRay slabs;
-    for (int i = 0; i < 3; ++i) {
-        slabs.is_negative[i] = std::signbit(d[i]) ? 1 : 0;
-        const bool parallel = std::abs(d[i]) < kParallelShare * largest;
-        const float r = parallel ? std::copysign(kParallelReciprocal, d[i]) : 1 / d[i];
-        const float c = o[i] * r;
-        float pad = kSlabOriginPad * std::abs(c);
-        if (parallel) {
-            const float size =
-                max_component(glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper)));
-            pad += (size + max_component(glm::abs(o))) / largest * kParallelReach;
-        }
-        slabs.reciprocal[i] = r;
-        slabs.near_offset[i] = c + pad;
-        slabs.far_offset[i] = c - pad;
+    slabs.reciprocal = 1 / d;
+    const Float4 c = o * slabs.reciprocal;
+    const Float4 pad = kSlabOriginPad * (c < 0 ? -c : c);
+    slabs.near_offset = c + pad;
+    slabs.far_reciprocal = slabs.reciprocal * kSlabFarFactor;
+    slabs.far_offset = (c - pad) * kSlabFarFactor;
+    const uint32_t least = std::min(magnitude_bits(ray.d[0]),
+                                    std::min(magnitude_bits(ray.d[1]), magnitude_bits(ray.d[2])));
+    if (std::bit_cast<float>(least) < kParallelShare * std::abs(ray.d[ray.kz])) {
+        local_ray_detail::set_parallel_slabs(ray, bounds, slabs);
     }
     return slabs;
 }

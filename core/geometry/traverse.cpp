@@ -1,12 +1,14 @@
 // Single-ray traversal, compiled once for every instruction set that Highway offers. SIMD
-// arithmetic here is conservative only: it discards boxes and triangles that are certainly missed,
-// and the scalar tests of triangle.h and sphere.h decide. So the hits do not depend on the
-// instruction set, the tree or the order of visits. References: Wald et al. 2014, "Embree: a kernel
+// arithmetic on boxes is conservative only; on triangles it is bit for bit that of the scalar test
+// in triangle.h. So the hits do not depend on the instruction set, the tree or the order of visits.
+// References: Wald et al. 2014, "Embree: a kernel
 // framework for efficient CPU ray tracing"; Ize 2013, "Robust BVH ray traversal".
 // The two Highway headers come first, and lane_pack.h is read again for every target.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/geometry/traverse.cpp"
+#include <bit>
+
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
@@ -15,6 +17,7 @@
 #include "core/geometry/sphere.h"
 #include "core/geometry/triangle.h"
 #include "core/geometry/lane_pack.h"
+#include "core/geometry/block_test.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
@@ -23,6 +26,12 @@ namespace HWY_NAMESPACE {
 
 using Boxes = Pack<kNodeWidth>;
 using Lanes = Pack<kBlockWidth>;
+
+HWY_INLINE uint32_t take_lowest(uint32_t& bits) {
+    const auto i = static_cast<uint32_t>(__builtin_ctz(bits));
+    bits &= bits - 1;
+    return i;
+}
 
 // One call: the ray as given, the best hit so far in world t, and what decides about hits.
 struct Query {
@@ -48,101 +57,88 @@ HWY_INLINE bool accept(Query& query, const Hit& hit, bool filtered) {
     return true;
 }
 
-// What a node test needs of a ray: fl(p r - c) for each plane p, with c padded apart for near and
-// far planes.
-struct BoxRay {
-    Boxes reciprocal[3];
-    Boxes near_offset[3];
-    Boxes far_offset[3];
-    uint32_t near_plane[3];
+// What a node test needs of a ray: fl(p r - c) for each plane p, with r and c apart for near and
+// far planes. Kept in memory: next to the constants of the triangle test there are not registers
+// enough, and spilling costs more than operands from memory.
+struct alignas(64) BoxRay {
+    float reciprocal[3][kNodeWidth];
+    float near_offset[3][kNodeWidth];
+    float far_reciprocal[3][kNodeWidth];
+    float far_offset[3][kNodeWidth];
+    size_t near_plane[3];  // in bytes from the lower planes of an axis: those or the upper ones
 
-    HWY_INLINE BoxRay(const SlabRay& slabs) {
+    static constexpr size_t kToUpper = kNodeWidth * sizeof(float);
+
+    HWY_INLINE BoxRay(const ShearedRay& ray, const SlabRay& slabs) {
         for (int i = 0; i < 3; ++i) {
-            reciprocal[i] = Boxes::set(slabs.reciprocal[i]);
-            near_offset[i] = Boxes::set(slabs.near_offset[i]);
-            far_offset[i] = Boxes::set(slabs.far_offset[i]);
-            near_plane[i] = static_cast<uint32_t>(2 * i) + slabs.is_negative[i];
+            Boxes::set(slabs.reciprocal[i]).store(reciprocal[i]);
+            Boxes::set(slabs.near_offset[i]).store(near_offset[i]);
+            Boxes::set(slabs.far_reciprocal[i]).store(far_reciprocal[i]);
+            Boxes::set(slabs.far_offset[i]).store(far_offset[i]);
         }
+        near_plane[0] = std::signbit(ray.d[0]) ? kToUpper : 0;
+        near_plane[1] = std::signbit(ray.d[1]) ? kToUpper : 0;
+        near_plane[2] = std::signbit(ray.d[2]) ? kToUpper : 0;
     }
 };
 
-HWY_INLINE uint32_t hit_boxes(const WideNode& node, const BoxRay& ray, const Boxes& t_max,
+// Bit i tells whether the ray meets child i before t_limit; t_near gets where it enters.
+HWY_INLINE uint32_t hit_boxes(const WideNode& node, const BoxRay& ray, float t_limit,
                               float* t_near) {
-    const auto near_t = [&](int i) HWY_ATTR {
-        return mul_sub(Boxes::load(node.plane[ray.near_plane[i]]), ray.reciprocal[i],
-                       ray.near_offset[i]);
+    const auto plane = [&node](size_t axis, size_t offset) HWY_ATTR {
+        const char* lower = reinterpret_cast<const char*>(node.plane[2 * axis]);
+        return Boxes::load(reinterpret_cast<const float*>(lower + offset));
     };
-    const auto far_t = [&](int i) HWY_ATTR {
-        return mul_sub(Boxes::load(node.plane[ray.near_plane[i] ^ 1u]), ray.reciprocal[i],
-                       ray.far_offset[i]);
-    };
-    const Boxes enter = max(max(near_t(0), near_t(1)), max(near_t(2), Boxes::set(0)));
-    const Boxes leave = min(min(far_t(0), far_t(1)), min(far_t(2), t_max));
+    Boxes enter = Boxes::set(0);
+    Boxes leave = Boxes::set(t_limit);
+    for (size_t i = 0; i < 3; ++i) {
+        enter = max(enter, mul_sub(plane(i, ray.near_plane[i]), Boxes::load(ray.reciprocal[i]),
+                                   Boxes::load(ray.near_offset[i])));
+        leave =
+            min(leave, mul_sub(plane(i, ray.near_plane[i] ^ BoxRay::kToUpper),
+                               Boxes::load(ray.far_reciprocal[i]), Boxes::load(ray.far_offset[i])));
+    }
     enter.store(t_near);
-    return less_equal_bits(enter, mul(leave, Boxes::set(kSlabFarFactor)));
+    return less_equal(enter, leave).bits();
 }
 
-struct BlockRay {
-    Lanes o[3];  // in the order kx, ky, kz
-    Lanes sx, sy;
-    int axis[3];
-
-    HWY_INLINE BlockRay(const ShearedRay& ray) : axis{ray.kx, ray.ky, ray.kz} {
-        for (int i = 0; i < 3; ++i) o[i] = Lanes::set(ray.o[axis[i]]);
-        sx = Lanes::set(static_cast<float>(ray.sx));
-        sy = Lanes::set(static_cast<float>(ray.sy));
-    }
-};
-
-// Lanes whose triangle the ray may meet: all but those whose edge functions have both signs beyond
-// their error.
-HWY_INLINE uint32_t candidates(const TriangleBlock& block, const BlockRay& ray) {
-    Lanes x[3];
-    Lanes y[3];
-    Lanes z0;
-    for (int i = 0; i < 3; ++i) {
-        const Lanes z = sub(Lanes::load(block.vertex[i][ray.axis[2]]), ray.o[2]);
-        x[i] = neg_mul_add(ray.sx, z, sub(Lanes::load(block.vertex[i][ray.axis[0]]), ray.o[0]));
-        y[i] = neg_mul_add(ray.sy, z, sub(Lanes::load(block.vertex[i][ray.axis[1]]), ray.o[1]));
-        if (i == 0) z0 = z;
-    }
-    const Lanes u = mul_sub(x[2], y[1], mul(y[2], x[1]));
-    const Lanes v = mul_sub(x[0], y[2], mul(y[0], x[2]));
-    const Lanes w = mul_sub(x[1], y[0], mul(y[1], x[0]));
-    const Lanes extent = Lanes::load(block.extent);
-    const Lanes depth = mul_add(extent, Lanes::set(kEdgeErrorExtent), abs(z0));
-    const Lanes error = mul_add(mul(extent, Lanes::set(kEdgeErrorDepth * kFloatEpsilon)), depth,
-                                Lanes::set(kEdgeErrorFloor));
-    const Lanes least = min(u, min(v, w));
-    const Lanes most = max(u, max(v, w));
-    return less_equal_or_bits(sub(Lanes::set(0), error), least, most, error);
+// The scalar test, for lanes that are hard to decide.
+HWY_NOINLINE bool intersect_lane(const ShearedRay& ray, const TriangleBlock& block, uint32_t lane,
+                                 TriangleHit& hit) {
+    return intersect_triangle(ray, BlockCorner{block, lane}, block.extent[lane], hit);
 }
 
-// Tests the candidates of one block; true when an accepted hit ends the search.
+// The largest t of interest in a tree, never too small.
+HWY_INLINE float limit_of(const Query& query, const LocalRay& ray) {
+    return query.best.t * ray.t_unscale * kSlabFarFactor;
+}
+
+// Takes the hits in one block into the query; true when that ends the search.
 template <bool kAny, bool kFilter>
 HWY_INLINE bool intersect_block(Query& query, const LocalRay& ray, const TriangleBlock& block,
-                                uint32_t lanes) {
-    while (lanes != 0) {
-        const uint32_t i = static_cast<uint32_t>(__builtin_ctz(lanes));
-        lanes &= lanes - 1;
+                                const BlockRay& lanes, float& t_limit) {
+    constexpr bool kBarycentrics = !kAny || kFilter;
+    BlockHits hits;
+    if (!intersect_lanes<kBarycentrics>(block, lanes, t_limit, hits)) return false;
+    uint32_t left = hits.hit | hits.undecided;
+    do {
+        const uint32_t i = take_lowest(left);
         const PrimitiveId id{ray.instance == kNoId ? block.instance[i] : ray.instance,
                              block.primitive[i]};
         if (id == query.ray.skip_from || id == query.ray.skip_to) continue;
-        const auto corner = [&](int k) HWY_ATTR {
-            return Vec3f(block.vertex[k][0][i], block.vertex[k][1][i], block.vertex[k][2][i]);
-        };
-        TriangleHit hit;
-        if (!intersect_triangle(ray.sheared, corner(0), corner(1), corner(2), block.extent[i], hit))
-            continue;
+        TriangleHit hit{hits.t[i], 0, 0};
+        if constexpr (kBarycentrics) hit = {hits.t[i], hits.u[i], hits.v[i]};
+        if ((hits.undecided >> i & 1) != 0 && !intersect_lane(ray.sheared, block, i, hit)) continue;
         const bool filtered = kFilter && query.scene.filtered[id.instance] != 0;
-        if (accept<kFilter>(query, {hit.t * ray.t_scale, hit.u, hit.v, id}, filtered) && kAny)
-            return true;
-    }
+        if (!accept<kFilter>(query, {hit.t * ray.t_scale, hit.u, hit.v, id}, filtered)) continue;
+        if (kAny) return true;
+        t_limit = limit_of(query, ray);
+    } while (left != 0);
     return false;
 }
 
 template <bool kAny, bool kFilter, bool kObjects, bool kCount>
-bool traverse(Query& query, const Tree& tree, const LocalRay& ray);
+HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray);
 
 template <bool kAny, bool kFilter, bool kCount>
 HWY_NOINLINE bool intersect_objects(Query& query, const Tree& tree, uint32_t ref) {
@@ -169,59 +165,121 @@ HWY_NOINLINE bool intersect_objects(Query& query, const Tree& tree, uint32_t ref
     return false;
 }
 
-struct StackEntry {
-    uint32_t ref;
-    float t;
-};
+// Makes the compiler forget copies of an object in registers.
+template <class T>
+HWY_INLINE void keep_in_memory(const T& object) {
+#if defined(__GNUC__)
+    asm volatile("" : : "r"(&object) : "memory");
+#endif
+}
 
-// Pushes the children in `hits` so that the nearest is on top.
-HWY_INLINE void push_sorted(StackEntry*& top, const WideNode& node, const float* t_near,
-                            uint32_t hits) {
+// A child and where the ray enters it, in one integer that sorts by distance: distances are not
+// negative.
+using StackEntry = uint64_t;
+
+HWY_INLINE StackEntry make_entry(const WideNode& node, const float* t_near, uint32_t child) {
+    return static_cast<uint64_t>(std::bit_cast<uint32_t>(t_near[child])) << 32 | node.child[child];
+}
+HWY_INLINE uint32_t entry_ref(StackEntry entry) {
+    return static_cast<uint32_t>(entry);
+}
+HWY_INLINE float entry_t(StackEntry entry) {
+    return std::bit_cast<float>(static_cast<uint32_t>(entry >> 32));
+}
+
+HWY_INLINE void order(StackEntry& nearer, StackEntry& farther) {
+    const StackEntry a = nearer;
+    const StackEntry b = farther;
+    nearer = a < b ? a : b;
+    farther = a < b ? b : a;
+}
+
+// Asks for the cache lines of a child, inner node or block, while its siblings are still looked at.
+HWY_INLINE void prefetch(const Tree& tree, uint32_t ref) {
+    const char* at = ChildRef::is_leaf(ref)
+                         ? reinterpret_cast<const char*>(tree.blocks.data() + ChildRef::first(ref))
+                         : reinterpret_cast<const char*>(tree.nodes.data() + ref);
+    __builtin_prefetch(at);
+    __builtin_prefetch(at + 64);
+    __builtin_prefetch(at + 128);
+    __builtin_prefetch(at + 192);
+}
+
+// The nearest child; the others are pushed, nearest on top.
+HWY_INLINE StackEntry push_others(const Tree& tree, StackEntry*& top, const WideNode& node,
+                                  const float* t_near, uint32_t hits) {
+    StackEntry a = make_entry(node, t_near, take_lowest(hits));
+    prefetch(tree, entry_ref(a));
+    if (hits == 0) return a;
+    StackEntry b = make_entry(node, t_near, take_lowest(hits));
+    prefetch(tree, entry_ref(b));
+    order(a, b);
+    if (hits == 0) {
+        *top++ = b;
+        return a;
+    }
+    StackEntry c = make_entry(node, t_near, take_lowest(hits));
+    prefetch(tree, entry_ref(c));
+    order(b, c);
+    order(a, b);
+    if (hits == 0) {
+        top[0] = c;
+        top[1] = b;
+        top += 2;
+        return a;
+    }
     StackEntry* const first = top;
+    top[0] = c;
+    top[1] = b;
+    top[2] = a;
+    top += 3;
     do {
-        const uint32_t i = static_cast<uint32_t>(__builtin_ctz(hits));
-        hits &= hits - 1;
-        const StackEntry entry{node.child[i], t_near[i]};
+        const StackEntry entry = make_entry(node, t_near, take_lowest(hits));
+        prefetch(tree, entry_ref(entry));
         StackEntry* place = top++;
-        for (; place != first && place[-1].t < entry.t; --place) *place = place[-1];
+        for (; place != first && place[-1] < entry; --place) *place = place[-1];
         *place = entry;
     } while (hits != 0);
+    return *--top;
 }
 
 template <bool kAny, bool kFilter, bool kObjects, bool kCount>
-bool traverse(Query& query, const Tree& tree, const LocalRay& ray) {
+HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray) {
     if (tree.is_empty) return false;
-    const BoxRay boxes(make_slab_ray(ray, tree.bounds));
+    const BoxRay boxes(ray.sheared, make_slab_ray(ray.sheared, tree.bounds));
     const BlockRay lanes(ray.sheared);
-    const float to_local = 1 / ray.t_scale;
-    float t_max = query.best.t * to_local;
+    float t_limit = limit_of(query, ray);
     StackEntry stack[kStackSize];
     StackEntry* top = stack;
-    *top++ = {tree.root, 0};
+    StackEntry entry = tree.root;
     alignas(64) float t_near[kNodeWidth];
-    while (top != stack) {
-        const StackEntry entry = *--top;
-        if (entry.t > t_max * kSlabFarFactor) continue;
-        if (!ChildRef::is_leaf(entry.ref)) {
+    for (;;) {
+        while (!ChildRef::is_leaf(entry_ref(entry))) {
             if (kCount) ++query.steps;
-            const WideNode& node = tree.nodes[entry.ref];
-            const uint32_t hits = hit_boxes(node, boxes, Boxes::set(t_max), t_near);
-            if (hits != 0) push_sorted(top, node, t_near, hits);
-            continue;
+            const WideNode& node = tree.nodes[entry_ref(entry)];
+            const uint32_t hits = hit_boxes(node, boxes, t_limit, t_near);
+            if (hits == 0) goto pop;
+            entry = push_others(tree, top, node, t_near, hits);
         }
-        if (kObjects && ChildRef::is_objects(entry.ref)) {
-            if (intersect_objects<kAny, kFilter, kCount>(query, tree, entry.ref)) return true;
+        keep_in_memory(boxes);
+        if (kObjects && ChildRef::is_objects(entry_ref(entry))) {
+            if (intersect_objects<kAny, kFilter, kCount>(query, tree, entry_ref(entry)))
+                return true;
+            t_limit = limit_of(query, ray);
         } else {
-            const TriangleBlock* block = tree.blocks.data() + ChildRef::first(entry.ref);
-            for (uint32_t i = ChildRef::count(entry.ref); i != 0; --i, ++block) {
-                const uint32_t maybe = candidates(*block, lanes);
-                if (maybe != 0 && intersect_block<kAny, kFilter>(query, ray, *block, maybe))
-                    return true;
-            }
+            const TriangleBlock* block = tree.blocks.data() + ChildRef::first(entry_ref(entry));
+            const TriangleBlock* const end = block + ChildRef::count(entry_ref(entry));
+            do {
+                keep_in_memory(lanes);
+                if (intersect_block<kAny, kFilter>(query, ray, *block, lanes, t_limit)) return true;
+            } while (++block != end);
         }
-        t_max = query.best.t * to_local;
+    pop:
+        do {
+            if (top == stack) return false;
+            entry = *--top;
+        } while ((!kAny || kObjects) && entry_t(entry) > t_limit);
     }
-    return false;
 }
 
 template <bool kAny, bool kFilter, bool kObjects, bool kCount>

@@ -33,7 +33,8 @@ class RenderScene {
 
     const Scene& scene() const { return *scene_; }
     const std::shared_ptr<const Scene>& shared_scene() const { return scene_; }
-    const LightTable& lights() const { return lights_; }
+    const LightTable& lights() const { return *lights_; }
+    const std::shared_ptr<const LightTable>& shared_lights() const { return lights_; }
 
     uint8_t coverage_flags(PrimitiveId id) const {
         return id.instance == kSphereInstance ? sphere_coverage_[id.primitive]
@@ -44,7 +45,7 @@ class RenderScene {
 
   private:
     std::shared_ptr<const Scene> scene_;
-    LightTable lights_;
+    std::shared_ptr<const LightTable> lights_;
     std::vector<uint8_t> instance_coverage_;
     std::vector<uint8_t> sphere_coverage_;
     uint8_t any_coverage_ = 0;

@@ -41,9 +41,7 @@ class GltfLoader {
     Result<SceneDesc> run() {
         SceneDesc& desc = loading_.desc;
         desc.file = loading_.document.file.string();
-        const Status extensions =
-            check_extensions(model_.extensionsUsed, model_.extensionsRequired, desc);
-        if (!extensions) return extensions.error();
+        note_extensions(model_.extensionsUsed, model_.extensionsRequired, desc);
         const Result<std::optional<size_t>> scene = choose_scene(loading_);
         if (!scene) return scene.error();
         desc.name = scene_name(*scene);

@@ -24,10 +24,10 @@ inline constexpr float kParallelReach = 0x1p35f;
 
 // Slabs. With r = fl(1 / d) and c = fl(o r), a plane p is met at fl(p r - c). Against (p - o) / d
 // that carries at most 3 eps |t| from the reciprocal, a product that may be rounded, and the last
-// rounding, and at most 3 eps |c| from c itself and from a rounded product; padding c adds one more
-// eps |c| (after Ize 2013, section 3, for the form with one product).
-inline constexpr float kSlabOriginPad = 0x6p-24f;
-// Near and far differ by at most 6 eps relative, and the reported t is rounded once more.
+// rounding, and at most 3 eps |c| from c itself and from a rounded product; padding c and scaling
+// it for far planes adds two more (after Ize 2013, section 3, for the form with one product).
+inline constexpr float kSlabOriginPad = 0x7p-24f;
+// Near and far differ by at most 7 eps relative, and the reported t is rounded once more.
 inline constexpr float kSlabFarFactor = 1 + 0x10p-24f;
 
 // Edge functions of a triangle sheared along the ray (Woop, Benthin, Wald 2013): with e the largest
@@ -36,7 +36,6 @@ inline constexpr float kSlabFarFactor = 1 + 0x10p-24f;
 // (first-order terms; the constants below leave a fifth for the rest).
 inline constexpr float kEdgeErrorDepth = 48;
 inline constexpr float kEdgeErrorExtent = 4;
-inline constexpr float kEdgeErrorFloor = 0x1p-120f;  // products flushed to zero
 inline constexpr double kDoubleEpsilon = 0x1p-53;
 // Doubled area in units of the error above, below which barycentrics are computed exactly.
 inline constexpr double kWellShaped = 0x1p22;

@@ -1,6 +1,7 @@
 // Where the nodes of the albedo tables lie, shared by the generator and the look-up. Rows:
 // alpha^(1/4) from kDeltaAlpha to 1. Columns: sqrt(mu (1 + k alpha) / (mu + k alpha)) from 0 to 1,
-// which resolves the layer mu ~ alpha of grazing directions.
+// which resolves the layer mu ~ alpha of grazing directions, mixed with mu itself where total
+// reflection makes a kink elsewhere.
 #pragma once
 
 #include <algorithm>
@@ -18,6 +19,7 @@ inline constexpr float kAlbedoFirstRow = 0.177827941f;
 struct AlbedoGrid {
     int rows;
     int columns;
+    float even = 0;  // share of the columns that are even in mu
 
     // Fractional row of alpha in [kDeltaAlpha, 1].
     float row_coordinate(float alpha) const {
@@ -31,19 +33,28 @@ struct AlbedoGrid {
 
     // Fractional column of mu in [0, 1]; knee = kAlbedoKnee alpha.
     float column_coordinate(float mu, float knee) const {
-        return std::sqrt(mu * (1 + knee) / (mu + knee)) * static_cast<float>(columns - 1);
+        const float x = std::sqrt(mu * (1 + knee) / (mu + knee));
+        return (x + even * (mu - x)) * static_cast<float>(columns - 1);
     }
     double column_mu(double column, double alpha) const {
         const double x = column / (columns - 1);
         const double knee = kAlbedoKnee * alpha;
-        return x * x >= 1 ? 1 : x * x * knee / (1 + knee - x * x);
+        double low = 0;
+        double high = 1;
+        for (int i = 0; i < 60; ++i) {
+            const double mu = 0.5 * (low + high);
+            const double root = std::sqrt(mu * (1 + knee) / (mu + knee));
+            (root + even * (mu - root) < x ? low : high) = mu;
+        }
+        return x >= 1 ? 1 : 0.5 * (low + high);
     }
 };
 
 inline constexpr AlbedoGrid kReflectionGrid{64, 64};
 
-inline constexpr AlbedoGrid kGlassGrid{24, 32};
-inline constexpr int kGlassSlices = 32;
+inline constexpr AlbedoGrid kGlassGrid{32, 48, 0.5f};
+// ior 1.5 lies on a slice.
+inline constexpr int kGlassSlices = 50;
 inline constexpr float kGlassMaxReflectance4 = 0.70710678f;  // the slice coordinate of ior 3
 
 inline float glass_slice_coordinate(float ior) {

@@ -159,6 +159,7 @@ Bsdf<kTier>::Bsdf(const ShadingParams& params, const Frame& frame, const Vec3f& 
             opaque_ = OpaqueLayer({params.base_color, metallic / weight, params.alpha,
                                    kGlossy ? specular : 0.0f, specular_color, params.ior},
                                   weight, wo_local_);
+            if (!flat_) tilt_scale_ = opaque_.diffuse_tilt_scale(dot(frame_.n, n_geometric_));
             if constexpr (kGlass) {
                 const float glass = transmission > 0 ? glass_.albedo() : 0.0f;
                 const float sum = glass + opaque_.albedo();

@@ -35,6 +35,10 @@ struct OpaqueParams {
     float ior = 1.5f;
 };
 
+// Mean cosine of (1 - mu)^5 mu dmu / sqrt(1 - mu^2), about: where Schlick's Fresnel keeps light
+// from entering.
+inline constexpr float kGrazingMean = 1.0f / 7;
+
 class OpaqueLayer {
   public:
     OpaqueLayer() = default;
@@ -49,15 +53,14 @@ class OpaqueLayer {
         delta_ = m.alpha < kDeltaAlpha;
 
         Rgb specular_albedo;
-        float s_o = 0;     // S(mu_o)
-        float mean_s = 0;  // over the cosine-weighted hemisphere
+        float s_o = 0;  // S(mu_o)
         if (delta_) {
             const Rgb normal = not_metal * dielectric + m.metallic * m.base_color;
             const Rgb grazing(not_metal * m.specular + m.metallic);
             normal_ = weight * (normal + schlick_weight(wo.z) * (grazing - normal));
             specular_albedo = normal_;
             s_o = f0_ + (f90_ - f0_) * schlick_weight(wo.z);
-            mean_s = f0_ + (f90_ - f0_) * (1.0f / 21);  // 2 int (1 - mu)^5 mu dmu = 1 / 21
+            mean_s_ = f0_ + (f90_ - f0_) * (1.0f / 21);  // 2 int (1 - mu)^5 mu dmu = 1 / 21
         } else {
             ggx_ = Ggx(m.alpha);
             slant_o_ = ggx_.slant(wo);
@@ -70,7 +73,7 @@ class OpaqueLayer {
             grazing_ = dielectric_scale * m.specular + metal_scale;
             specular_albedo = albedo.a * normal_ + albedo.b * grazing_;
             s_o = compensated(albedo);
-            mean_s = row_.mean_compensated(f0_, f90_);
+            mean_s_ = row_.mean_compensated(f0_, f90_);
         }
 
         const float specular_share = mean_component(specular_albedo);
@@ -78,7 +81,7 @@ class OpaqueLayer {
         if (not_metal > 0) {
             const Rgb diffuse_albedo =
                 (weight * not_metal * std::max(1 - s_o, 0.0f)) * m.base_color;
-            diffuse_ = mean_s < 1 ? diffuse_albedo * (kInvPi / (1 - mean_s)) : Rgb(0);
+            diffuse_ = mean_s_ < 1 ? diffuse_albedo * (kInvPi / (1 - mean_s_)) : Rgb(0);
             diffuse_share = mean_component(diffuse_albedo);
         }
         albedo_ = specular_share + diffuse_share;
@@ -88,6 +91,25 @@ class OpaqueLayer {
     // Estimated albedo, mean of the channels, with the weight.
     float albedo() const { return albedo_; }
     float specular_probability() const { return p_specular_; }
+
+    // What the diffuse lobe is multiplied by when it is tilted against the surface, for the part
+    // that the surface hides; cos_tilt in (0, 1]. The lobe is taken as a cosine less a part that
+    // the specular layer keeps near the horizon, of which nearly half is hidden.
+    float diffuse_tilt_scale(float cos_tilt) const {
+        const float visible = 0.5f * (1 + cos_tilt);
+        const float everywhere = delta_ ? f0_ : compensated(row_(1));
+        const float grazing = std::max(mean_s_ - everywhere, 0.0f);
+        if (!(mean_s_ < 1) || !(grazing > 0)) return 1 / visible;
+        // Share of the azimuths that are visible at the cosine kGrazingMean: 1/2 + asin(x) / pi.
+        const float x = std::min(
+            kGrazingMean * cos_tilt / std::sqrt(std::max(1 - cos_tilt * cos_tilt, kFloatEpsilon)),
+            1.0f);
+        const float x2 = x * x;
+        const float x4 = x2 * x2;
+        const float around = 0.5f + x * (kInvPi + (0.5f - kInvPi) * x4 * x4);
+        const float share = ((1 - mean_s_ + grazing) * visible - grazing * around) / (1 - mean_s_);
+        return 1 / std::min(share, 1.0f);
+    }
     bool is_mirror() const { return delta_; }
     bool has_smooth_lobe() const { return !delta_ || p_specular_ < 1; }
 
@@ -134,6 +156,7 @@ class OpaqueLayer {
     float slant_o_ = 1;
     float f0_ = 0;
     float f90_ = 1;
+    float mean_s_ = 0;  // S over the cosine-weighted hemisphere
     float albedo_ = 0;
     float p_specular_ = 0;
     bool delta_ = false;

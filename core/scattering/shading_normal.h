@@ -34,13 +34,14 @@ inline Vec3f bend_shading_normal(const Vec3f& n_shading, const Vec3f& n_geometri
 
     const Vec3f x = safe_normalize(n_shading - n_z * n_geometric, Vec3f(0));
     const float o_x = dot(wo, x);
-    const float rho2 = o_x * o_x + o_z * o_z;
+    // In double: the half-angle formulas lose half of the digits where the tilt is small.
+    const double rho2 = static_cast<double>(o_x) * o_x + static_cast<double>(o_z) * o_z;
     if (!(rho2 > 0)) return n_geometric;
-    const float side = safe_sqrt(rho2 - tau * tau);
+    const double side = std::sqrt(std::max(rho2 - static_cast<double>(tau) * tau, 0.0));
     // Cosine of phi + acos(tau / rho); the half-angle formulas give the tilt.
-    const float cos_twice = std::clamp((o_z * tau - o_x * side) / rho2, -1.0f, 1.0f);
-    const float sin_tilt = std::sqrt(0.5f * (1 - cos_twice));
-    const float cos_tilt = std::sqrt(0.5f * (1 + cos_twice));
+    const double cos_twice = std::clamp((o_z * double{tau} - o_x * side) / rho2, -1.0, 1.0);
+    const auto sin_tilt = static_cast<float>(std::sqrt(0.5 * (1 - cos_twice)));
+    const auto cos_tilt = static_cast<float>(std::sqrt(0.5 * (1 + cos_twice)));
     return safe_normalize(sin_tilt * x + cos_tilt * n_geometric, n_geometric);
 }
 

@@ -1,4 +1,5 @@
-// The light from infinitely far away: black, a constant, a linear gradient or an equirectangular image.
+// The light from infinitely far away: black, a constant, a linear gradient or an equirectangular
+// image.
 #pragma once
 
 #include <memory>
@@ -16,7 +17,7 @@ struct EnvironmentImage {
     uint32_t height = 0;
     std::vector<Rgb> texels;  // finite and >= 0
     std::string file;
-    std::string sha256;         // of the file's bytes, in hex
+    std::string sha256;            // of the file's bytes, in hex
     uint64_t repaired_texels = 0;  // non-finite or negative ones, set to 0
 };
 
@@ -25,14 +26,18 @@ struct EnvironmentGradient {
     Vec3f axis{0, 1, 0};
     Rgb from{1};
     Rgb to{1};
+
+    bool operator==(const EnvironmentGradient&) const = default;
 };
 
 struct Environment {
-    Rgb color{0};                                    // used when there is neither gradient nor image
+    Rgb color{0};  // used when there is neither gradient nor image
     std::optional<EnvironmentGradient> gradient;
-    std::shared_ptr<const EnvironmentImage> image;   // wins over gradient and color
-    float rotation_degrees = 0;                      // counter-clockwise seen from +Y
-    float intensity = 1;                             // multiplies all of it
+    std::shared_ptr<const EnvironmentImage> image;  // wins over gradient and color
+    float rotation_degrees = 0;                     // counter-clockwise seen from +Y
+    float intensity = 1;                            // multiplies all of it
+
+    bool operator==(const Environment&) const = default;
 };
 
 }  // namespace talbot

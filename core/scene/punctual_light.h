@@ -13,12 +13,14 @@ struct PunctualLight {
     std::string name;
     PunctualKind kind = PunctualKind::point;
     Rgb color{1};
-    float intensity = 1;            // candela (point, spot) or lux (directional)
-    Vec3d position{0};              // not for directional
-    Vec3f direction{0, 0, -1};      // unit; the way the light travels (spot axis, sun rays)
-    float range = kInfinity;        // metres, > 0; nothing arrives beyond it
-    float inner_cone_angle = 0;     // radians, 0 <= inner < outer <= pi/2
+    float intensity = 1;         // candela (point, spot) or lux (directional)
+    Vec3d position{0};           // not for directional
+    Vec3f direction{0, 0, -1};   // unit; the way the light travels (spot axis, sun rays)
+    float range = kInfinity;     // metres, > 0; nothing arrives beyond it
+    float inner_cone_angle = 0;  // radians, 0 <= inner < outer <= pi/2
     float outer_cone_angle = 0.78539816f;
+
+    bool operator==(const PunctualLight&) const = default;
 };
 
 }  // namespace talbot

@@ -1,4 +1,5 @@
-// Images and the way they are looked up. Texels are decoded to linear light before filtering, as glTF asks.
+// Images and the way they are looked up. Texels are decoded to linear light before filtering, as
+// glTF asks.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +11,8 @@
 
 namespace talbot {
 
-// 8-bit texels as stored in the file, row 0 on top. Four channels always; a grey file is replicated, missing alpha is 255.
+// 8-bit texels as stored in the file, row 0 on top. Four channels always; a grey file is
+// replicated, missing alpha is 255.
 struct Image8 {
     uint32_t width = 0;
     uint32_t height = 0;
@@ -37,12 +39,13 @@ Vec4f eval_texture(const Texture& texture, const Vec2f& uv, TextureEncoding enco
 
 inline constexpr uint32_t kNoTexture = 0xFFFFFFFFu;
 
-// A material slot's reference: which texture, which UV set, and KHR_texture_transform folded to uv' = matrix * (u, v, 1).
+// A material slot's reference: which texture, which UV set, and KHR_texture_transform folded to uv'
+// = matrix * (u, v, 1).
 struct TextureSlot {
     uint32_t texture = kNoTexture;  // index into the scene's texture table
     uint8_t uv_set = 0;             // 0 or 1
     bool has_transform = false;
-    Vec3f transform_u{1, 0, 0};     // u' = dot(transform_u, (u, v, 1))
+    Vec3f transform_u{1, 0, 0};  // u' = dot(transform_u, (u, v, 1))
     Vec3f transform_v{0, 1, 0};
 
     bool used() const { return texture != kNoTexture; }
@@ -51,6 +54,7 @@ struct TextureSlot {
         const Vec3f p(uv.x, uv.y, 1.0f);
         return Vec2f(dot(transform_u, p), dot(transform_v, p));
     }
+    bool operator==(const TextureSlot&) const = default;
 };
 
 }  // namespace talbot

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "core/io/gltf/extensions.h"
+#include "core/io/gltf/meshopt.h"
 #include "core/io/gltf/structure.h"
 #include "core/io/gltf/uri.h"
 #include "core/io/image_io.h"
@@ -112,13 +114,18 @@ Status read_uri(const Document& document, const std::string& element, const std:
     return Done{};
 }
 
-Status read_buffers(Document& document, const Json& buffers, const Chunks& chunks,
-                    uint64_t max_bytes) {
+// Buffers that are not needed stay empty.
+Status read_buffers(Document& document, const Json& buffers, const std::vector<bool>& needed,
+                    const Chunks& chunks, uint64_t max_bytes) {
     for (size_t i = 0; i < buffers.size(); ++i) {
         const std::string element = element_name("buffers", i);
         const auto length = buffers[i]["byteLength"].get<uint64_t>();
         const std::string uri = string_member(buffers[i], "uri");
         BufferBytes buffer;
+        if (!needed[i]) {
+            document.buffers.push_back(std::move(buffer));
+            continue;
+        }
         if (uri.empty()) {
             if (i != 0 || !chunks.has_binary)
                 return document.error(element, "has no uri and there is no binary chunk");
@@ -233,11 +240,18 @@ Result<Document> read_document(const std::filesystem::path& file, uint64_t max_b
     if (!root) return root.error();
     if (Status shape = check_structure(*root); !shape)
         return document.error(shape.error().element, shape.error().what);
+    Result<std::vector<CompressedView>> compressed = find_compressed_views(*root);
+    if (!compressed) return document.error(compressed.error().element, compressed.error().what);
+    const std::vector<bool> needed = find_needed_buffers(*root, *compressed);
     const Json buffers = take(*root, "buffers");
     Json images = take(*root, "images");
     if (Status parsed = parse_model(document, *root); !parsed) return parsed.error();
-    if (Status read = read_buffers(document, buffers, chunks, max_bytes); !read)
+    if (Status known = check_required(document.model.extensionsRequired); !known)
+        return document.error(known.error().element, known.error().what);
+    if (Status read = read_buffers(document, buffers, needed, chunks, max_bytes); !read)
         return read.error();
+    if (Status decoded = decode_views(document, *compressed, max_bytes); !decoded)
+        return decoded.error();
     if (Status noted = note_images(document, images); !noted) return noted.error();
     return document;
 }

@@ -32,7 +32,8 @@ struct Document {
     std::filesystem::path file;
     std::vector<uint8_t> bytes;  // the main file
     tinygltf::Model model;       // indices are within their arrays; buffers and images are empty
-    std::vector<BufferBytes> buffers;
+    std::vector<BufferBytes> buffers;  // those of decoded views come after the file's
+    uint64_t decoded_bytes = 0;        // in those, at most the limit of the caller
     std::vector<ImageSource> images;
 
     Error error(const std::string& element, const std::string& what) const {

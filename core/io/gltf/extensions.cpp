@@ -12,6 +12,9 @@ using enum ExtensionSupport;
 
 constexpr auto kTable = std::to_array<ExtensionInfo>({
     {"EXT_mesh_gpu_instancing", supported, ""},
+    {"EXT_meshopt_compression", supported, ""},
+    {"EXT_texture_webp", supported, ""},
+    {"KHR_draco_mesh_compression", supported, ""},
     {"KHR_implicit_shapes", supported, ""},
     {"KHR_lights_punctual", supported, ""},
     {"KHR_materials_emissive_strength", supported, ""},
@@ -25,10 +28,7 @@ constexpr auto kTable = std::to_array<ExtensionInfo>({
     {"TALBOT_implicit_surface", supported, ""},
     {"KHR_xmp", ignorable, ""},
     {"KHR_xmp_json_ld", ignorable, ""},
-    {"EXT_meshopt_compression", unsupported, "compressed buffers are not read"},
-    {"EXT_texture_webp", unsupported, "WebP textures are left out"},
     {"KHR_animation_pointer", unsupported, "animated properties keep their values"},
-    {"KHR_draco_mesh_compression", unsupported, "compressed meshes are not read"},
     {"KHR_materials_anisotropy", unsupported, "highlights are isotropic"},
     {"KHR_materials_clearcoat", unsupported, "clear coats are left out"},
     {"KHR_materials_diffuse_transmission", unsupported, "diffuse transmission is left out"},
@@ -54,17 +54,22 @@ const ExtensionInfo* find_extension(std::string_view name) {
     return found == kTable.end() ? nullptr : &*found;
 }
 
-Status check_extensions(const std::vector<std::string>& used,
-                        const std::vector<std::string>& required, SceneDesc& desc) {
-    const auto contains = [](const std::vector<std::string>& names, const std::string& name) {
-        return std::find(names.begin(), names.end(), name) != names.end();
-    };
+Status check_required(const std::vector<std::string>& required) {
     for (const std::string& name : required) {
         const ExtensionInfo* info = find_extension(name);
         if (info && info->support != unsupported) continue;
-        return Error{ErrorKind::bad_input, desc.file, "extensionsRequired",
-                     "the scene requires the extension " + name + ", which is not supported"};
+        return Error{
+            ErrorKind::bad_input, "", "extensionsRequired",
+            "the scene requires the extension " + name.substr(0, 100) + ", which is not supported"};
     }
+    return Done{};
+}
+
+void note_extensions(const std::vector<std::string>& used, const std::vector<std::string>& required,
+                     SceneDesc& desc) {
+    const auto contains = [](const std::vector<std::string>& names, const std::string& name) {
+        return std::find(names.begin(), names.end(), name) != names.end();
+    };
     std::vector<std::string> names = used;
     for (const std::string& name : required) {
         if (!contains(names, name)) names.push_back(name);
@@ -77,7 +82,6 @@ Status check_extensions(const std::vector<std::string>& used,
         const std::string loss = info ? ": " + std::string(info->loss) : "";
         desc.warnings.push_back("extension " + name + " is not supported" + loss);
     }
-    return Done{};
 }
 
 }  // namespace talbot::gltf

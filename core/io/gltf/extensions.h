@@ -29,9 +29,11 @@ std::span<const ExtensionInfo> extension_table();
 // Null for a name that is not in the table.
 const ExtensionInfo* find_extension(std::string_view name);
 
-// Fills desc.extensions and desc.warnings; refuses the first required extension that is not
-// supported, by name.
-Status check_extensions(const std::vector<std::string>& used,
-                        const std::vector<std::string>& required, SceneDesc& desc);
+// Refuses the first required extension that is not supported, by name.
+Status check_required(const std::vector<std::string>& required);
+
+// Fills desc.extensions and desc.warnings.
+void note_extensions(const std::vector<std::string>& used, const std::vector<std::string>& required,
+                     SceneDesc& desc);
 
 }  // namespace talbot::gltf

@@ -32,7 +32,7 @@ class MemoryBudget {
 
 struct Loading {
     Loading(Document d, const LoadOptions& o)
-        : document(std::move(d)), options(o), budget(o.max_bytes) {}
+        : document(std::move(d)), options(o), budget(o.max_bytes - document.decoded_bytes) {}
 
     Document document;
     const LoadOptions& options;

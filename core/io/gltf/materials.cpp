@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/io/gltf/images.h"
 #include "core/io/gltf/values.h"
 #include "core/math/robust.h"
 
@@ -11,7 +12,7 @@ namespace talbot::gltf {
 
 namespace {
 
-constexpr uint32_t kMaxUvSet = 64;
+constexpr int kMaxUvSet = 64;
 
 // One texture reference of the file, wherever it stands.
 struct TextureReference {
@@ -31,12 +32,13 @@ class MaterialConverter {
     Material convert(const tinygltf::Material& in, size_t index, bool used) {
         element_ = element_name("materials", index);
         used_ = used;
-        uv_sets_.clear();
+        uv_sets_ = {0, 1};
+        uv_set_taken_ = {false, false};
         Material out;
         out.name = in.name.empty() ? "material " + std::to_string(index) : in.name;
         convert_core(in, out);
         convert_extensions(in, out);
-        tables_.uv_sets.push_back(chosen_sets());
+        tables_.uv_sets.push_back(uv_sets_);
         return out;
     }
 
@@ -165,30 +167,24 @@ class MaterialConverter {
         out.has_transform = out.transform_u != Vec3f(1, 0, 0) || out.transform_v != Vec3f(0, 1, 0);
     }
 
-    // The file's TEXCOORD_n as one of the two sets of a mesh.
+    // The file's TEXCOORD_n as one of the two sets of a mesh. Sets 0 and 1 keep their places; a
+    // higher one takes a place that no texture of this material has asked for yet.
     uint8_t scene_uv_set(int set) {
-        const auto wanted = static_cast<uint32_t>(std::clamp(set, 0, static_cast<int>(kMaxUvSet)));
-        auto found = std::find(uv_sets_.begin(), uv_sets_.end(), wanted);
-        if (found == uv_sets_.end()) {
-            if (uv_sets_.size() == 2) {
-                warn("uses more than two texture coordinate sets; TEXCOORD_" +
-                     std::to_string(wanted) + " is replaced by TEXCOORD_" +
-                     std::to_string(uv_sets_[0]));
-                return 0;
-            }
-            found = uv_sets_.insert(uv_sets_.end(), wanted);
+        const auto wanted = static_cast<uint32_t>(std::clamp(set, 0, kMaxUvSet));
+        for (uint8_t place = 0; place < 2; ++place) {
+            if (uv_sets_[place] != wanted) continue;
+            uv_set_taken_[place] = true;
+            return place;
         }
-        return static_cast<uint8_t>(found - uv_sets_.begin());
-    }
-
-    // Sets 0 and 1 unless the material asks for others.
-    UvSets chosen_sets() const {
-        UvSets sets{0, 1};
-        if (!uv_sets_.empty()) {
-            sets[0] = uv_sets_[0];
-            sets[1] = uv_sets_.size() > 1 ? uv_sets_[1] : (sets[0] == 0 ? 1 : 0);
+        for (const uint8_t place : {uint8_t{1}, uint8_t{0}}) {
+            if (uv_set_taken_[place]) continue;
+            uv_sets_[place] = wanted;
+            uv_set_taken_[place] = true;
+            return place;
         }
-        return sets;
+        warn("uses more than two texture coordinate sets; TEXCOORD_" + std::to_string(wanted) +
+             " is replaced by TEXCOORD_" + std::to_string(uv_sets_[0]));
+        return 0;
     }
 
     static TextureWrap wrap_of(int mode) {
@@ -202,7 +198,8 @@ class MaterialConverter {
         if (mapped != kNoTexture) return mapped;
         const tinygltf::Model& model = loading_.document.model;
         const tinygltf::Texture& in = model.textures[index];
-        if (in.source < 0) {
+        const std::optional<uint32_t> image = image_of_texture(in);
+        if (!image) {
             warn("textures[" + std::to_string(index) +
                  "] has no image that can be read; it is left out");
             return kNoTexture;
@@ -217,14 +214,15 @@ class MaterialConverter {
         }
         mapped = static_cast<uint32_t>(loading_.desc.textures.size());
         loading_.desc.textures.push_back(out);
-        tables_.image_of.push_back(static_cast<uint32_t>(in.source));
+        tables_.image_of.push_back(*image);
         return mapped;
     }
 
     Loading& loading_;
     MaterialTables& tables_;
     std::vector<uint32_t> texture_map_;
-    std::vector<uint32_t> uv_sets_;
+    UvSets uv_sets_{0, 1};
+    std::array<bool, 2> uv_set_taken_{false, false};
     std::string element_;
     bool used_ = false;
 };

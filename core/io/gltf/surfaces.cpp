@@ -209,8 +209,8 @@ bool is_similarity(const Mat4d& m, double& scale) {
     return true;
 }
 
-// A sphere of triangles about the origin, poles on the Y axis, U eastwards and V down.
-Mesh tessellate_sphere(double radius) {
+// A unit sphere of triangles about the origin, poles on the Y axis, U eastwards and V down.
+Mesh tessellate_sphere() {
     constexpr uint32_t kRings = 64;
     constexpr uint32_t kSegments = 128;
     Mesh mesh;
@@ -220,7 +220,7 @@ Mesh tessellate_sphere(double radius) {
             const double phi = 2 * std::numbers::pi * segment / kSegments;
             const Vec3d n(std::sin(theta) * std::cos(phi), std::cos(theta),
                           -std::sin(theta) * std::sin(phi));
-            mesh.positions.push_back(Vec3f(n * radius));
+            mesh.positions.push_back(Vec3f(n));
             mesh.normals.push_back(Vec3f(n));
             mesh.uv[0].push_back(
                 Vec2f(static_cast<float>(segment) / kSegments, static_cast<float>(ring) / kRings));
@@ -252,7 +252,7 @@ Status place_spheres(Loading& loading, const std::vector<SphereUse>& spheres) {
                 {Vec3d(use.world[3]), use.radius * scale, use.material, use.object});
             continue;
         }
-        Mesh mesh = tessellate_sphere(use.radius);
+        Mesh mesh = tessellate_sphere();
         if (!loading.budget.reserve(mesh.positions.size() * (2 * sizeof(Vec3f) + sizeof(Vec2f)) +
                                     mesh.indices.size() * sizeof(uint32_t))) {
             return over_budget(loading.document, loading.options.max_bytes);
@@ -261,7 +261,8 @@ Status place_spheres(Loading& loading, const std::vector<SphereUse>& spheres) {
         mesh.material = use.material;
         loading.warn(mesh.name, "a sphere under non-uniform scale is drawn as triangles");
         desc.instances.push_back(
-            {static_cast<uint32_t>(desc.meshes.size()), use.object, use.world});
+            {static_cast<uint32_t>(desc.meshes.size()), use.object,
+             use.world * compose(Vec3d(0), Vec4d(0, 0, 0, 1), Vec3d(use.radius))});
         desc.meshes.push_back(std::move(mesh));
     }
     return Done{};

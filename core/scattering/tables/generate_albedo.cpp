@@ -29,22 +29,29 @@ double fifth_power(double x) {
     return x * x * x * x * x;
 }
 
-// Midpoints of the square: cosines of the azimuths in (0, pi), and nodes u with their weights.
+// Nodes of the unit square of visible-normal sampling: half the turn, by symmetry, in equal steps;
+// the other coordinate in steps that start elsewhere on each column, so that jumps along curves
+// average out.
 struct Rule {
-    std::size_t steps;
-    std::vector<double> cos_phi, sin_phi, u, weight;
+    struct Node {
+        double cos_phi, sin_phi, u, weight;
+    };
+    std::vector<Node> nodes;
 
-    explicit Rule(std::size_t n) : steps(n) {
+    explicit Rule(int n) {
         double sum = 0;
-        for (std::size_t k = 0; k < n; ++k) {
-            const double v = (static_cast<double>(k) + 0.5) / static_cast<double>(n);
-            cos_phi.push_back(std::cos(kPiD * v));
-            sin_phi.push_back(std::sin(kPiD * v));
-            u.push_back(0.5 * (1 - std::cos(kPiD * v)));
-            weight.push_back(std::sin(kPiD * v));
-            sum += weight.back();
+        for (int j = 0; j < n; ++j) {
+            const double phi = kPiD * (j + 0.5) / n;
+            const double turns = (j + 0.5) * (std::numbers::phi - 1);
+            const double shift = turns - std::floor(turns);
+            for (int i = 0; i < n; ++i) {
+                const double v = kPiD * (i + shift) / n;
+                nodes.push_back(
+                    {std::cos(phi), std::sin(phi), 0.5 * (1 - std::cos(v)), std::sin(v)});
+                sum += std::sin(v);
+            }
         }
-        for (double& w : weight) w /= sum * static_cast<double>(n);
+        for (Node& node : nodes) node.weight /= sum;
     }
 };
 
@@ -61,16 +68,14 @@ struct Facets {
         const double sin_o = std::sqrt(1 - mu * mu);
         const double w_x = alpha * sin_o / slant_o;
         const double w_z = mu / slant_o;
-        for (std::size_t i = 0; i < rule.steps; ++i) {
-            const double t = rule.u[i] * (1 + w_z);
+        for (const Rule::Node& node : rule.nodes) {
+            const double t = node.u * (1 + w_z);
             const double r = std::sqrt(t * (2 - t));
-            for (std::size_t j = 0; j < rule.steps; ++j) {
-                const double x = alpha * (r * rule.cos_phi[j] + w_x);
-                const double y = alpha * r * rule.sin_phi[j];
-                const double z = (1 - rule.u[i]) * (1 + w_z);
-                const double inv = 1 / std::sqrt(x * x + y * y + z * z);
-                visit(rule.weight[i], std::min((sin_o * x + mu * z) * inv, 1.0), z * inv);
-            }
+            const double x = alpha * (r * node.cos_phi + w_x);
+            const double y = alpha * r * node.sin_phi;
+            const double z = (1 - node.u) * (1 + w_z);
+            const double inv = 1 / std::sqrt(x * x + y * y + z * z);
+            visit(node.weight, std::min((sin_o * x + mu * z) * inv, 1.0), z * inv);
         }
     }
 
@@ -200,7 +205,7 @@ int main(int argc, char** argv) {
     std::ofstream table(directory + "/albedo_table.inc");
     std::ofstream means(directory + "/mean_albedo_table.inc");
     std::ofstream glass(directory + "/glass_albedo_table.inc");
-    const Rule rule(80);
+    const Rule rule(72);
     for (int j = 0; j < talbot::kReflectionGrid.rows; ++j) {
         const double alpha = talbot::kReflectionGrid.row_alpha(j);
         const std::vector<Node> row = integrate_reflection(alpha, rule);

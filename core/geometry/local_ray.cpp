@@ -1,0 +1,34 @@
+#include "core/geometry/local_ray.h"
+
+namespace talbot::local_ray_detail {
+
+bool rescale(const Ray& ray, LocalRay& local) {
+    if (!(ray.t_max > 0) || !is_finite(ray.o) || !is_finite(ray.d)) return false;
+    const float largest = max_component(glm::abs(ray.d));
+    if (!(largest > 0) || max_component(glm::abs(ray.o)) > kMaxCoordinate) return false;
+    const int exponent = std::ilogb(largest);
+    const auto scaled = [exponent](float x) { return std::ldexp(x, -exponent); };
+    local.sheared = shear(ray.o, Vec3f(scaled(ray.d.x), scaled(ray.d.y), scaled(ray.d.z)));
+    local.t_scale = scaled(1);
+    local.t_unscale = 1 / local.t_scale;
+    return is_finite(local.t_scale) && is_finite(local.t_unscale);
+}
+
+void set_parallel_slabs(const ShearedRay& ray, const Bounds& bounds, SlabRay& slabs) {
+    const float largest = std::abs(ray.d[ray.kz]);
+    float size = max_component(glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper)));
+    for (int i = 0; i < 3; ++i) size = std::max(size, std::abs(ray.o[i]));
+    const float reach = 2 * size / largest * kParallelReach;
+    for (int i = 0; i < 3; ++i) {
+        if (!(std::abs(ray.d[i]) < kParallelShare * largest)) continue;
+        const float r = std::copysign(kParallelReciprocal, ray.d[i]);
+        const float c = ray.o[i] * r;
+        const float pad = kSlabOriginPad * std::abs(c) + reach;
+        slabs.reciprocal[i] = r;
+        slabs.near_offset[i] = c + pad;
+        slabs.far_reciprocal[i] = r * kSlabFarFactor;
+        slabs.far_offset[i] = (c - pad) * kSlabFarFactor;
+    }
+}
+
+}  // namespace talbot::local_ray_detail
