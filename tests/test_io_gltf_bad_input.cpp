@@ -376,7 +376,7 @@ TEST(BadImages, AreRefusedByName) {
     const std::vector<uint8_t> png = read_bytes(b.folder() / "texture.png");
     ASSERT_TRUE(load_with_image(png).ok());
     expect_refused(load_with_image({}), "images[0]", "picture.png: cannot open");
-    expect_refused(load_with_image({1, 2, 3}), "images[0]", "none of PNG, JPEG and WebP");
+    expect_refused(load_with_image({1, 2, 3}), "images[0]", "none of PNG, JPEG, WebP and KTX2");
     expect_refused(load_with_image({png.begin(), png.begin() + 20}), "images[0]", "ends too early");
     expect_refused(
         load_with_image({png.begin(), png.begin() + static_cast<ptrdiff_t>(png.size() / 2)}),

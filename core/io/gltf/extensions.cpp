@@ -24,6 +24,7 @@ constexpr auto kTable = std::to_array<ExtensionInfo>({
     {"KHR_materials_unlit", supported, ""},
     {"KHR_materials_volume", supported, ""},
     {"KHR_mesh_quantization", supported, ""},
+    {"KHR_texture_basisu", supported, ""},
     {"KHR_texture_transform", supported, ""},
     {"TALBOT_implicit_surface", supported, ""},
     {"KHR_xmp", ignorable, ""},
@@ -39,7 +40,6 @@ constexpr auto kTable = std::to_array<ExtensionInfo>({
     {"KHR_materials_sheen", unsupported, "sheen is left out"},
     {"KHR_materials_variants", unsupported, "the file's own materials are used"},
     {"KHR_node_visibility", unsupported, "hidden nodes are shown"},
-    {"KHR_texture_basisu", unsupported, "KTX2 textures are left out"},
 });
 
 }  // namespace

@@ -47,7 +47,7 @@ Result<EncodedImage> encoded_image(const Document& document, size_t index, uint6
 }  // namespace
 
 std::optional<uint32_t> image_of_texture(const tinygltf::Texture& texture) {
-    for (const char* name : {"EXT_texture_webp"}) {
+    for (const char* name : {"KHR_texture_basisu", "EXT_texture_webp"}) {
         const tinygltf::Value* extension = find_extension_value(texture.extensions, name);
         if (!extension) continue;
         if (const std::optional<uint32_t> source = index_member(*extension, "source"))
