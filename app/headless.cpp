@@ -242,8 +242,9 @@ int run_headless(const Options& given, Clock::time_point process_start) {
             return report_error(status.error());
     }
 
-    RenderSession session(policy_of(options, process_start), pool);
     RunRecord record;
+    if (!options.report.empty()) record.bias = measure_bias(*setup, *pool);
+    RenderSession session(policy_of(options, process_start), pool);
     record.interrupted = render(session, options, *setup, std::move(*resumed));
     const std::shared_ptr<const Snapshot> snapshot = session.latest();
     if (!snapshot) {

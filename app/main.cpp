@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "app/accuracy.h"
 #include "app/compare.h"
 #include "app/exit_code.h"
 #include "app/headless.h"
@@ -39,6 +40,7 @@ int render_without_display(Options options, std::chrono::steady_clock::time_poin
 int run(int argc, char** argv, std::chrono::steady_clock::time_point start) {
     const std::string command = argc > 1 ? argv[1] : "";
     const std::vector<std::string> rest(argv + std::min(argc, 2), argv + argc);
+    if (command == "accuracy") return run_accuracy(rest);
     if (command == "compare") return run_compare(rest);
     if (command == "merge") return run_merge(rest);
     const Result<std::optional<Options>> parsed = parse_options(argc, argv);

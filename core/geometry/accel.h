@@ -1,6 +1,7 @@
-// The ray engine's interface: an immutable two-level structure over triangle meshes, instances and analytic spheres.
-// All coordinates are re-centred world coordinates. Everything here is robust by construction: watertight triangles, padded
-// slabs, identity-based exclusion; no tolerance depends on the scale of the scene.
+// The ray engine's interface: an immutable two-level structure over triangle meshes, instances and
+// analytic spheres. All coordinates are re-centred world coordinates. Everything here is robust by
+// construction: watertight triangles, padded slabs, identity-based exclusion; no tolerance depends
+// on the scale of the scene.
 #pragma once
 
 #include <cstdint>
@@ -20,14 +21,17 @@ struct Bounds {
     Vec3f lower{kInfinity};
     Vec3f upper{-kInfinity};
 
-    bool is_empty() const { return !(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z); }
+    bool is_empty() const {
+        return !(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z);
+    }
     void add(const Vec3f& p) {
         lower = glm::min(lower, p);
         upper = glm::max(upper, p);
     }
 };
 
-// Triangles as the scene keeps them; the spans must outlive the build only (the structure copies what it needs).
+// Triangles as the scene keeps them; the spans must outlive the build only (the structure copies
+// what it needs).
 struct AccelMesh {
     std::span<const Vec3f> positions;
     std::span<const uint32_t> indices;  // three per triangle
@@ -35,9 +39,10 @@ struct AccelMesh {
 
 struct AccelInstance {
     uint32_t mesh = 0;
-    bool identity = true;           // then the mesh is already in world coordinates and is merged into the top level
-    Mat4d world_from_object{1.0};   // affine
-    bool filtered = false;          // its hits are put to the HitFilter, where a call has one
+    bool identity =
+        true;  // then the mesh is already in world coordinates and is merged into the top level
+    Mat4d world_from_object{1.0};  // affine
+    bool filtered = false;         // its hits are put to the HitFilter, where a call has one
 };
 
 struct AccelSphere {
@@ -55,8 +60,8 @@ struct AccelInput {
     BuildQuality quality = BuildQuality::high;
 };
 
-// Decides whether a hit on a filtered instance counts. Must be a pure function of its arguments (the order of calls is not
-// defined): alpha coverage and camera-only back-face culling live here.
+// Decides whether a hit on a filtered instance counts. Must be a pure function of its arguments
+// (the order of calls is not defined): alpha coverage and camera-only back-face culling live here.
 struct HitFilter {
     bool (*accepts)(const void* context, const Ray& ray, const Hit& hit) = nullptr;
     const void* context = nullptr;
@@ -77,8 +82,8 @@ class Accel {
   public:
     virtual ~Accel() = default;
 
-    // Closest hit in (0, t_max), ties by the lower PrimitiveId; false and an untouched hit when there is none. With a filter,
-    // hits on filtered instances count only if it accepts them.
+    // Closest hit in (0, t_max), ties by the lower PrimitiveId; false and an untouched hit when
+    // there is none. With a filter, hits on filtered instances count only if it accepts them.
     virtual bool closest(const Ray& ray, Hit& hit) const = 0;
     virtual bool closest(const Ray& ray, Hit& hit, const HitFilter& filter) const = 0;
 
@@ -93,11 +98,14 @@ class Accel {
     virtual Bounds bounds() const = 0;
 };
 
-// Builds the structure; null only when stop was requested. progress, when given, is called with 0..1 from any thread.
-std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& pool, std::stop_token stop = {},
+// Builds the structure; null only when stop was requested. progress, when given, is called with
+// 0..1 from any thread.
+std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& pool,
+                                         std::stop_token stop = {},
                                          const std::function<void(float)>& progress = {});
 
-// The same interface without any acceleration structure, as the oracle of tests and the "BVH off" switch.
+// The same interface without any acceleration structure, as the oracle of tests and the "BVH off"
+// switch.
 std::unique_ptr<const Accel> build_brute_force(const AccelInput& input);
 
 }  // namespace talbot

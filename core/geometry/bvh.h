@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/base/huge_pages.h"
 #include "core/geometry/accel.h"
 #include "core/geometry/force_inline.h"
 #include "core/math/ray.h"
@@ -68,13 +69,12 @@ struct BlockCorner {
 };
 
 struct Tree {
-    std::vector<WideNode> nodes;
-    std::vector<TriangleBlock> blocks;
+    HugePageVector<WideNode> nodes;
+    HugePageVector<TriangleBlock> blocks;
     std::vector<uint32_t> objects;  // into BvhScene::objects
     uint32_t root = 0;
     bool is_empty = true;
     Bounds bounds;
-    float reach = 0;  // largest coordinate of bounds
     uint32_t depth = 0;
     uint64_t triangles = 0;
 

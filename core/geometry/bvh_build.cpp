@@ -391,7 +391,6 @@ bool build_tree(std::span<BuildPrimitive> primitives, const FillTriangle& fill, 
     const Range whole = builder.make_range(0, primitives.size(), 0);
     tree.is_empty = false;
     tree.bounds = {whole.box.lower, whole.box.upper};
-    tree.reach = max_component(glm::max(glm::abs(tree.bounds.lower), glm::abs(tree.bounds.upper)));
     if (pool == nullptr || primitives.size() <= kSubtreeSize || whole.is_leaf) {
         tree.root = builder.build(whole, 0, tree);
         if (progress) progress(primitives.size());

@@ -10,7 +10,8 @@ bool rescale(const Ray& ray, LocalRay& local) {
     const auto scaled = [exponent](float x) { return std::ldexp(x, -exponent); };
     local.sheared = shear(ray.o, Vec3f(scaled(ray.d.x), scaled(ray.d.y), scaled(ray.d.z)));
     local.t_scale = scaled(1);
-    return is_finite(local.t_scale) && is_finite(1 / local.t_scale);
+    local.t_unscale = 1 / local.t_scale;
+    return is_finite(local.t_scale) && is_finite(local.t_unscale);
 }
 
 void set_parallel_slabs(const ShearedRay& ray, const Bounds& bounds, SlabRay& slabs) {

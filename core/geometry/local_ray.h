@@ -19,10 +19,14 @@ inline bool comes_before(const PrimitiveId& a, const PrimitiveId& b) {
     return a.instance != b.instance ? a.instance < b.instance : a.primitive < b.primitive;
 }
 
+// Four floats with elementwise arithmetic, in one register where there are such.
+using Float4 = float __attribute__((vector_size(16)));
+
 // A ray in the space of one tree. Its own t times t_scale (a power of two) is the world ray's t.
 struct LocalRay {
     ShearedRay sheared;
     float t_scale = 1;
+    float t_unscale = 1;        // 1 / t_scale
     uint32_t instance = kNoId;  // of all triangles of the tree, unless kNoId
 };
 
@@ -39,22 +43,18 @@ void set_parallel_slabs(const ShearedRay& ray, const Bounds& bounds, SlabRay& sl
 
 }  // namespace local_ray_detail
 
-// False when nothing can be hit: not finite, out of range or without direction. Comparisons are
-// false for NaN.
+// False when nothing can be hit: not finite, out of range or without direction.
 TALBOT_FORCE_INLINE bool to_world_kernel(const Ray& ray, LocalRay& local) {
-    const float ax = std::abs(ray.d.x);
-    const float ay = std::abs(ray.d.y);
-    const float az = std::abs(ray.d.z);
-    const bool usual =
-        (std::abs(ray.o.x) <= kMaxCoordinate) & (std::abs(ray.o.y) <= kMaxCoordinate) &
-        (std::abs(ray.o.z) <= kMaxCoordinate) & (ax <= kMaxDirection) & (ay <= kMaxDirection) &
-        (az <= kMaxDirection) & (std::max(ax, std::max(ay, az)) >= kMinDirection) & (ray.t_max > 0);
+    const uint32_t origin = std::max(magnitude_bits(ray.o.x),
+                                     std::max(magnitude_bits(ray.o.y), magnitude_bits(ray.o.z)));
+    const uint32_t direction = std::max(magnitude_bits(ray.d.x),
+                                        std::max(magnitude_bits(ray.d.y), magnitude_bits(ray.d.z)));
+    constexpr uint32_t kLeast = magnitude_bits(kMinDirection);
+    constexpr uint32_t kMost = magnitude_bits(kMaxDirection);
+    const bool usual = (origin <= magnitude_bits(kMaxCoordinate)) &
+                       (direction - kLeast <= kMost - kLeast) & (ray.t_max > 0);
     if (!usual) return local_ray_detail::rescale(ray, local);
-    for (int i = 0; i < 3; ++i) {
-        local.sheared.o[i] = ray.o[i];
-        local.sheared.d[i] = ray.d[i];
-    }
-    set_shear(local.sheared);
+    set_shear(local.sheared, ray.o, ray.d);
     return true;
 }
 
@@ -84,34 +84,35 @@ inline bool to_object_space(const Ray& ray, const SceneObject& object, LocalRay&
     const double scale = std::ldexp(1.0, -exponent);
     local.sheared = shear(rounded(o), rounded(d * scale));
     local.t_scale = static_cast<float>(scale);
+    local.t_unscale = 1 / local.t_scale;
     local.instance = object.id;
-    return local.t_scale > 0 && is_finite(local.t_scale) && is_finite(1 / local.t_scale);
+    return local.t_scale > 0 && is_finite(local.t_scale) && is_finite(local.t_unscale);
 }
 
-// Near planes p are met at p near_reciprocal - near_offset, far planes likewise with the far
-// constants; see kSlabOriginPad.
-struct alignas(16) SlabRay {
-    float reciprocal[4];
-    float near_offset[4];
-    float far_reciprocal[4];
-    float far_offset[4];
+// Near planes p are met at p reciprocal - near_offset, far planes likewise with the far constants;
+// see kSlabOriginPad. The fourth lanes are unused.
+struct SlabRay {
+    Float4 reciprocal;
+    Float4 near_offset;
+    Float4 far_reciprocal;
+    Float4 far_offset;
 };
 
 TALBOT_FORCE_INLINE SlabRay make_slab_ray(const ShearedRay& ray, const Bounds& bounds) {
+    const Float4 d = {ray.d[0], ray.d[1], ray.d[2], 1};
+    const Float4 o = {ray.o[0], ray.o[1], ray.o[2], 0};
     SlabRay slabs;
-    const float smallest = kParallelShare * std::abs(ray.d[ray.kz]);
-    bool any_parallel = false;
-    for (int i = 0; i < 4; ++i) {
-        const float r = 1 / ray.d[i];
-        const float c = ray.o[i] * r;
-        const float pad = kSlabOriginPad * std::abs(c);
-        slabs.reciprocal[i] = r;
-        slabs.near_offset[i] = c + pad;
-        slabs.far_reciprocal[i] = r * kSlabFarFactor;
-        slabs.far_offset[i] = (c - pad) * kSlabFarFactor;
-        any_parallel |= std::abs(ray.d[i]) < smallest;
+    slabs.reciprocal = 1 / d;
+    const Float4 c = o * slabs.reciprocal;
+    const Float4 pad = kSlabOriginPad * (c < 0 ? -c : c);
+    slabs.near_offset = c + pad;
+    slabs.far_reciprocal = slabs.reciprocal * kSlabFarFactor;
+    slabs.far_offset = (c - pad) * kSlabFarFactor;
+    const uint32_t least = std::min(magnitude_bits(ray.d[0]),
+                                    std::min(magnitude_bits(ray.d[1]), magnitude_bits(ray.d[2])));
+    if (std::bit_cast<float>(least) < kParallelShare * std::abs(ray.d[ray.kz])) {
+        local_ray_detail::set_parallel_slabs(ray, bounds, slabs);
     }
-    if (any_parallel) local_ray_detail::set_parallel_slabs(ray, bounds, slabs);
     return slabs;
 }
 

@@ -1,7 +1,7 @@
 // Single-ray traversal, compiled once for every instruction set that Highway offers. SIMD
-// arithmetic here is conservative only: it discards boxes and triangles that are certainly missed,
-// and the scalar tests of triangle.h and sphere.h decide. So the hits do not depend on the
-// instruction set, the tree or the order of visits. References: Wald et al. 2014, "Embree: a kernel
+// arithmetic on boxes is conservative only; on triangles it is bit for bit that of the scalar test
+// in triangle.h. So the hits do not depend on the instruction set, the tree or the order of visits.
+// References: Wald et al. 2014, "Embree: a kernel
 // framework for efficient CPU ray tracing"; Ize 2013, "Robust BVH ray traversal".
 // The two Highway headers come first, and lane_pack.h is read again for every target.
 // clang-format off
@@ -17,6 +17,7 @@
 #include "core/geometry/sphere.h"
 #include "core/geometry/triangle.h"
 #include "core/geometry/lane_pack.h"
+#include "core/geometry/block_test.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
@@ -64,141 +65,80 @@ struct alignas(64) BoxRay {
     float near_offset[3][kNodeWidth];
     float far_reciprocal[3][kNodeWidth];
     float far_offset[3][kNodeWidth];
-    size_t near_plane[3];  // in floats from the node's start
-    size_t far_plane[3];
+    size_t near_plane[3];  // in bytes from the lower planes of an axis: those or the upper ones
 
-    HWY_INLINE explicit BoxRay(const ShearedRay& ray, const SlabRay& slabs) {
-        for (size_t i = 0; i < 3; ++i) {
+    static constexpr size_t kToUpper = kNodeWidth * sizeof(float);
+
+    HWY_INLINE BoxRay(const ShearedRay& ray, const SlabRay& slabs) {
+        for (int i = 0; i < 3; ++i) {
             Boxes::set(slabs.reciprocal[i]).store(reciprocal[i]);
             Boxes::set(slabs.near_offset[i]).store(near_offset[i]);
             Boxes::set(slabs.far_reciprocal[i]).store(far_reciprocal[i]);
             Boxes::set(slabs.far_offset[i]).store(far_offset[i]);
-            const size_t negative = std::bit_cast<uint32_t>(ray.d[i]) >> 31;
-            near_plane[i] = (2 * i + negative) * kNodeWidth;
-            far_plane[i] = (2 * i + 1 - negative) * kNodeWidth;
         }
+        near_plane[0] = std::signbit(ray.d[0]) ? kToUpper : 0;
+        near_plane[1] = std::signbit(ray.d[1]) ? kToUpper : 0;
+        near_plane[2] = std::signbit(ray.d[2]) ? kToUpper : 0;
     }
 };
 
 // Bit i tells whether the ray meets child i before t_limit; t_near gets where it enters.
 HWY_INLINE uint32_t hit_boxes(const WideNode& node, const BoxRay& ray, float t_limit,
                               float* t_near) {
-    const float* planes = node.plane[0];
+    const auto plane = [&node](size_t axis, size_t offset) HWY_ATTR {
+        const char* lower = reinterpret_cast<const char*>(node.plane[2 * axis]);
+        return Boxes::load(reinterpret_cast<const float*>(lower + offset));
+    };
     Boxes enter = Boxes::set(0);
     Boxes leave = Boxes::set(t_limit);
     for (size_t i = 0; i < 3; ++i) {
-        enter =
-            max(enter, mul_sub(Boxes::load(planes + ray.near_plane[i]),
-                               Boxes::load(ray.reciprocal[i]), Boxes::load(ray.near_offset[i])));
+        enter = max(enter, mul_sub(plane(i, ray.near_plane[i]), Boxes::load(ray.reciprocal[i]),
+                                   Boxes::load(ray.near_offset[i])));
         leave =
-            min(leave, mul_sub(Boxes::load(planes + ray.far_plane[i]),
+            min(leave, mul_sub(plane(i, ray.near_plane[i] ^ BoxRay::kToUpper),
                                Boxes::load(ray.far_reciprocal[i]), Boxes::load(ray.far_offset[i])));
     }
     enter.store(t_near);
-    return mask_of(less_equal(enter, leave));
+    return less_equal(enter, leave).bits();
 }
 
-struct BlockRay {
-    Lanes ox, oy, oz;  // along the axes kx, ky, kz
-    Lanes sx, sy;
-    Lanes dz_sign;
-    Lanes margin_floor;
-    float dz;
-    size_t x_plane, y_plane, z_plane;  // in floats from the start of a vertex
-
-    HWY_INLINE BlockRay(const ShearedRay& ray, bool may_overflow)
-        : ox(Lanes::set(ray.o[ray.kx])),
-          oy(Lanes::set(ray.o[ray.ky])),
-          oz(Lanes::set(ray.o[ray.kz])),
-          sx(Lanes::set(static_cast<float>(ray.sx))),
-          sy(Lanes::set(static_cast<float>(ray.sy))),
-          dz_sign(Lanes::set(std::copysign(0.0f, ray.d[ray.kz]))),
-          margin_floor(Lanes::set(may_overflow ? kInfinity : kEdgeErrorFloor)),
-          dz(std::abs(ray.d[ray.kz])),
-          x_plane(ray.kx * kBlockWidth),
-          y_plane(ray.ky * kBlockWidth),
-          z_plane(ray.kz * kBlockWidth) {}
-};
-
-struct LaneSets {
-    uint32_t maybe;   // not certainly missed
-    uint32_t surely;  // certainly hit in range; found for any-hit queries only
-};
-
-// Sorts the triangles of a block by what rounded arithmetic can tell about the ray meeting them in
-// (0, t_max): certainly missed are those whose edge functions have both signs beyond their error,
-// or whose depth is out of range beyond its error.
-template <bool kSurely>
-HWY_INLINE LaneSets candidates(const TriangleBlock& block, const BlockRay& ray, float t_max) {
-    constexpr size_t kStride = 3 * kBlockWidth;
-    const float* px = block.vertex[0][0] + ray.x_plane;
-    const float* py = block.vertex[0][0] + ray.y_plane;
-    const float* pz = block.vertex[0][0] + ray.z_plane;
-    Lanes x[3];
-    Lanes y[3];
-    Lanes z[3];
-    for (size_t i = 0; i < 3; ++i) {
-        z[i] = sub(Lanes::load(pz + i * kStride), ray.oz);
-        x[i] = neg_mul_add(ray.sx, z[i], sub(Lanes::load(px + i * kStride), ray.ox));
-        y[i] = neg_mul_add(ray.sy, z[i], sub(Lanes::load(py + i * kStride), ray.oy));
-    }
-    const Lanes u = mul_sub(x[2], y[1], mul(y[2], x[1]));
-    const Lanes v = mul_sub(x[0], y[2], mul(y[0], x[2]));
-    const Lanes w = mul_sub(x[1], y[0], mul(y[1], x[0]));
-    const Lanes zero = Lanes::set(0);
-    const Lanes extent = Lanes::load(block.extent);
-    const Lanes reach = mul_add(extent, Lanes::set(kEdgeErrorExtent), abs(z[0]));
-    const Lanes error = mul_add(mul(extent, Lanes::set(kEdgeErrorDepth * kFloatEpsilon)), reach,
-                                Lanes::set(kEdgeErrorFloor));
-    const Lanes least = min(u, min(v, w));
-    const Lanes most = max(u, max(v, w));
-    const Lanes area = add(u, add(v, w));
-    const Lanes abs_area = abs(area);
-    const Lanes sign = xor_bits(sign_bits(area), ray.dz_sign);
-    const Lanes depth = xor_bits(mul_add(u, z[0], mul_add(v, z[1], mul(w, z[2]))), sign);
-    const Lanes margin = mul_add(reach,
-                                 mul_add(abs_area, Lanes::set(kDepthErrorArea * kFloatEpsilon),
-                                         mul(error, Lanes::set(kDepthErrorEdges))),
-                                 ray.margin_floor);
-    const Lanes limit = min(Lanes::set(t_max * ray.dz), reach);
-    const Lanes beyond = neg_mul_add(limit, abs_area, depth);
-    LaneSets lanes{};
-    // Written so that depths that overflow count as in range; unused lanes fail the first test.
-    const auto inside = either(less_equal(sub(zero, error), least), less_equal(most, error));
-    const auto out_of_range = either(less(depth, sub(zero, margin)), less(margin, beyond));
-    lanes.maybe = mask_of(and_not(out_of_range, inside));
-    if constexpr (kSurely) {
-        lanes.surely = mask_of(both(either(less(error, least), less(most, sub(zero, error))),
-                                    both(less(margin, depth), less(beyond, sub(zero, margin)))));
-    }
-    return lanes;
+// The scalar test, for lanes that are hard to decide.
+HWY_NOINLINE bool intersect_lane(const ShearedRay& ray, const TriangleBlock& block, uint32_t lane,
+                                 TriangleHit& hit) {
+    return intersect_triangle(ray, BlockCorner{block, lane}, block.extent[lane], hit);
 }
 
-// Tests the candidates of one block; true when an accepted hit ends the search.
+// The largest t of interest in a tree, never too small.
+HWY_INLINE float limit_of(const Query& query, const LocalRay& ray) {
+    return query.best.t * ray.t_unscale * kSlabFarFactor;
+}
+
+// Takes the hits in one block into the query; true when that ends the search.
 template <bool kAny, bool kFilter>
 HWY_INLINE bool intersect_block(Query& query, const LocalRay& ray, const TriangleBlock& block,
-                                LaneSets lanes) {
-    while (lanes.maybe != 0) {
-        const uint32_t i = take_lowest(lanes.maybe);
+                                const BlockRay& lanes, float& t_limit) {
+    constexpr bool kBarycentrics = !kAny || kFilter;
+    BlockHits hits;
+    if (!intersect_lanes<kBarycentrics>(block, lanes, t_limit, hits)) return false;
+    uint32_t left = hits.hit | hits.undecided;
+    do {
+        const uint32_t i = take_lowest(left);
         const PrimitiveId id{ray.instance == kNoId ? block.instance[i] : ray.instance,
                              block.primitive[i]};
         if (id == query.ray.skip_from || id == query.ray.skip_to) continue;
-        if (kAny && !kFilter && (lanes.surely >> i & 1) != 0) {
-            query.found = true;
-            return true;
-        }
-        TriangleHit hit;
-        const BlockCorner corner{block, i};
-        if (!intersect_triangle(ray.sheared, corner, block.extent[i], hit)) continue;
+        TriangleHit hit{hits.t[i], 0, 0};
+        if constexpr (kBarycentrics) hit = {hits.t[i], hits.u[i], hits.v[i]};
+        if ((hits.undecided >> i & 1) != 0 && !intersect_lane(ray.sheared, block, i, hit)) continue;
         const bool filtered = kFilter && query.scene.filtered[id.instance] != 0;
-        if (accept<kFilter>(query, {hit.t * ray.t_scale, hit.u, hit.v, id}, filtered) && kAny)
-            return true;
-    }
+        if (!accept<kFilter>(query, {hit.t * ray.t_scale, hit.u, hit.v, id}, filtered)) continue;
+        if (kAny) return true;
+        t_limit = limit_of(query, ray);
+    } while (left != 0);
     return false;
 }
 
 template <bool kAny, bool kFilter, bool kObjects, bool kCount>
-bool traverse(Query& query, const Tree& tree, const LocalRay& ray);
+HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray);
 
 template <bool kAny, bool kFilter, bool kCount>
 HWY_NOINLINE bool intersect_objects(Query& query, const Tree& tree, uint32_t ref) {
@@ -304,15 +244,11 @@ HWY_INLINE StackEntry push_others(const Tree& tree, StackEntry*& top, const Wide
 }
 
 template <bool kAny, bool kFilter, bool kObjects, bool kCount>
-bool traverse(Query& query, const Tree& tree, const LocalRay& ray) {
+HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray) {
     if (tree.is_empty) return false;
     const BoxRay boxes(ray.sheared, make_slab_ray(ray.sheared, tree.bounds));
-    const float* o = ray.sheared.o;
-    const BlockRay lanes(ray.sheared,
-                         std::max(std::max(std::abs(o[0]), std::abs(o[1])),
-                                  std::max(std::abs(o[2]), tree.reach)) > kMaxDepthCoordinate);
-    const float to_local = 1 / ray.t_scale;
-    float t_limit = query.best.t * to_local * kSlabFarFactor;
+    const BlockRay lanes(ray.sheared);
+    float t_limit = limit_of(query, ray);
     StackEntry stack[kStackSize];
     StackEntry* top = stack;
     StackEntry entry = tree.root;
@@ -329,15 +265,13 @@ bool traverse(Query& query, const Tree& tree, const LocalRay& ray) {
         if (kObjects && ChildRef::is_objects(entry_ref(entry))) {
             if (intersect_objects<kAny, kFilter, kCount>(query, tree, entry_ref(entry)))
                 return true;
-            t_limit = query.best.t * to_local * kSlabFarFactor;
+            t_limit = limit_of(query, ray);
         } else {
             const TriangleBlock* block = tree.blocks.data() + ChildRef::first(entry_ref(entry));
             const TriangleBlock* const end = block + ChildRef::count(entry_ref(entry));
             do {
-                const LaneSets sets = candidates < kAny && !kFilter > (*block, lanes, t_limit);
-                if (sets.maybe == 0) continue;
-                if (intersect_block<kAny, kFilter>(query, ray, *block, sets)) return true;
-                if (!kAny) t_limit = query.best.t * to_local * kSlabFarFactor;
+                keep_in_memory(lanes);
+                if (intersect_block<kAny, kFilter>(query, ray, *block, lanes, t_limit)) return true;
             } while (++block != end);
         }
     pop:

@@ -1,11 +1,12 @@
 // The scalar ray-triangle test that decides every hit: edge functions in double in the space
 // sheared along the ray, exact where rounding could matter, so that a hit is reported exactly when
-// the float ray meets the closed float triangle. SIMD code only sorts out triangles that are
-// certainly missed. References: Woop, Benthin, Wald 2013, "Watertight ray/triangle intersection";
+// the float ray meets the closed float triangle. block_test.h does the same for four triangles at
+// once. References: Woop, Benthin, Wald 2013, "Watertight ray/triangle intersection";
 // Shewchuk 1997.
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -18,32 +19,41 @@
 
 namespace talbot {
 
+// The bits of |x|, which order as the magnitudes do, NaN above all.
+constexpr uint32_t magnitude_bits(float x) {
+    return std::bit_cast<uint32_t>(x) & 0x7FFFFFFFu;
+}
+
 // A ray with the constants of the shear that maps its direction to the axis kz, its largest
-// component. The fourth lanes are padding for SIMD.
-struct alignas(16) ShearedRay {
-    float o[4] = {0, 0, 0, 0};
-    float d[4] = {0, 0, 0, 1};
-    double sx = 0, sy = 0, sz = 0;  // d[kx] / d[kz], d[ky] / d[kz], 1 / d[kz]
-    uint32_t kx = 0, ky = 1, kz = 2;
+// component.
+struct ShearedRay {
+    float o[3];
+    float d[3];
+    double sx, sy, sz;  // d[kx] / d[kz], d[ky] / d[kz], 1 / d[kz]
+    uint32_t kx, ky, kz;
 };
 
-TALBOT_FORCE_INLINE void set_shear(ShearedRay& ray) {
+TALBOT_FORCE_INLINE void set_shear(ShearedRay& ray, const Vec3f& o, const Vec3f& d) {
     constexpr uint32_t kNext[4] = {1, 2, 0, 1};
-    const float ax = std::abs(ray.d[0]);
-    const float ay = std::abs(ray.d[1]);
-    const float az = std::abs(ray.d[2]);
+    const uint32_t ax = magnitude_bits(d.x);
+    const uint32_t ay = magnitude_bits(d.y);
+    const uint32_t az = magnitude_bits(d.z);
     const uint32_t k = ay > ax ? 1 : 0;
     ray.kz = az > std::max(ax, ay) ? 2 : k;
     ray.kx = kNext[ray.kz];
     ray.ky = kNext[ray.kz + 1];
+    for (int i = 0; i < 3; ++i) {
+        ray.o[i] = o[i];
+        ray.d[i] = d[i];
+    }
     ray.sz = 1 / static_cast<double>(ray.d[ray.kz]);
     ray.sx = ray.d[ray.kx] * ray.sz;
     ray.sy = ray.d[ray.ky] * ray.sz;
 }
 
 inline ShearedRay shear(const Vec3f& o, const Vec3f& d) {
-    ShearedRay ray{{o.x, o.y, o.z, 0}, {d.x, d.y, d.z, 1}};
-    set_shear(ray);
+    ShearedRay ray;
+    set_shear(ray, o, d);
     return ray;
 }
 

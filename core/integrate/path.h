@@ -54,8 +54,13 @@ bool intersect(const RenderScene& rs, const Sampler& sampler, uint32_t bounce, c
         kHasAlpha<kTier> ? (kCoverageAlpha | kCoverageSingleSided) : kCoverageSingleSided;
     const uint8_t relevant =
         rs.any_coverage() & (bounce == 0 ? asked : static_cast<uint8_t>(asked & kCoverageAlpha));
-    if (relevant == 0) return rs.scene().accel().closest(ray, hit);
+    // Most hits need no question: the filter is asked of the nearest one, and traversal runs again
+    // with it only where that one is no hit.
+    if (!rs.scene().accel().closest(ray, hit)) return false;
+    if ((rs.coverage_flags(hit.id) & relevant) == 0) return true;
     const CoverageContext context{&rs, sampler.coverage_seed(bounce, 0), bounce == 0};
+    if (accept_coverage<kTier>(&context, ray, hit)) return true;
+    hit = Hit{};
     return rs.scene().accel().closest(ray, hit, HitFilter{&accept_coverage<kTier>, &context});
 }
 
@@ -97,12 +102,10 @@ inline void add_emission(const RenderScene& rs, const PathSettings& settings, co
 // Next-event estimation: one light, one shadow ray.
 template <EffectSet kTier>
 void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
-                      const SurfaceInteraction& si, const Vec3f& n_lit, const Bsdf<kTier>& bsdf,
-                      PathState& path, uint32_t& rays) {
-    const float u_choice = sampler.single(bounce, BouncePair::light_choice);
-    const Vec2f u = sampler.pair(bounce, BouncePair::light);
+                      const Bounce& numbers, const SurfaceInteraction& si, const Vec3f& n_lit,
+                      const Bsdf<kTier>& bsdf, PathState& path, uint32_t& rays) {
     const std::optional<LightSample> light =
-        rs.lights().sample(rs.scene(), si.p, n_lit, u_choice, u);
+        rs.lights().sample(rs.scene(), si.p, n_lit, numbers.light_choice(), numbers.light());
     if (!light || is_black(light->radiance)) return;
     const BsdfEval f = bsdf.eval(light->wi);
     if (is_black(f.f_cos)) return;
@@ -177,18 +180,19 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         }
         const Bsdf<kTier> bsdf(params, frame, side * si.n_geometric, -ray.d,
                                si.front || params.thin);
+        const Bounce numbers = sampler.bounce(bounce);
         const Vec3f n_lit = is_lit_through(params) ? Vec3f(0) : side * si.n_geometric;
         if (settings.next_event_estimation && bsdf.has_smooth_lobe() && rs.lights().can_sample()) {
-            add_direct_light<kTier>(rs, sampler, bounce, si, n_lit, bsdf, path, result.rays);
+            add_direct_light<kTier>(rs, sampler, bounce, numbers, si, n_lit, bsdf, path,
+                                    result.rays);
         }
 
         // Where the path goes on.
         float u_lobe = 0;
         if constexpr (kTier.has(Effect::glossy) || kTier.has(Effect::transmission)) {
-            u_lobe = sampler.single(bounce, BouncePair::lobe);
+            u_lobe = numbers.lobe();
         }
-        const std::optional<BsdfSample> scattered =
-            bsdf.sample(u_lobe, sampler.pair(bounce, BouncePair::bsdf));
+        const std::optional<BsdfSample> scattered = bsdf.sample(u_lobe, numbers.bsdf());
         if constexpr (Recorder::kActive)
             recorder.vertex(bounce, si, material, params, scattered, path);
         if (!scattered) break;
@@ -209,7 +213,7 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         if (settings.russian_roulette && bounce >= kRouletteStart) {
             const float q = std::max(max_component(path.beta) * path.eta_scale, kMinSurvival);
             if (q < 1) {
-                if (sampler.single(bounce, BouncePair::roulette) >= q) break;
+                if (numbers.roulette() >= q) break;
                 path.beta /= q;
             }
         }

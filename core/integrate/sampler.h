@@ -5,11 +5,18 @@
 // 2020; constants of Vegdahl 2021). The upper 32 bits of the sample index enter the seeds.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "core/integrate/sampling_kinds.h"
 #include "core/math/sample_bits.h"
 #include "core/math/vec.h"
+
+#if defined(__clang__)
+#define TALBOT_NO_UNROLL _Pragma("clang loop unroll(disable)")
+#else
+#define TALBOT_NO_UNROLL _Pragma("GCC unroll 1")
+#endif
 
 namespace talbot {
 
@@ -45,6 +52,8 @@ constexpr uint32_t sobol_second_reversed(uint32_t index) {
     index ^= (index >> 16) & 0x0000FFFFu;
     return index;
 }
+
+class Bounce;
 
 class Sampler {
   public:
@@ -84,18 +93,26 @@ class Sampler {
         return single(bounce_pair(bounce, which));
     }
 
+    // All numbers of one vertex at once: the same as from pair() and single(), in a fraction of the
+    // time, for the lanes of one vector are hashed together.
+    Bounce bounce(uint32_t bounce) const;
+
     // Bits for decisions that traversal makes per primitive (stochastic coverage).
     uint32_t coverage_seed(uint32_t bounce, uint32_t salt) const {
         return hash_combine(hash_combine(key_ ^ 0xC2B2AE35u, index_), bounce * 2 + salt);
     }
 
   private:
+    // What a pair's first and second number are scrambled with.
+    static constexpr uint32_t kFirstSalt = 0xA511E9B3u;
+    static constexpr uint32_t kSecondSalt = 0x63D83595u;
+
     static float first_of(uint32_t shuffled, uint32_t seed) {
-        return unit_float(reverse_bits(laine_karras(shuffled, hash32(seed ^ 0xA511E9B3u))));
+        return unit_float(reverse_bits(laine_karras(shuffled, hash32(seed ^ kFirstSalt))));
     }
     static float second_of(uint32_t shuffled, uint32_t seed) {
         const uint32_t second = sobol_second_reversed(shuffled);
-        return unit_float(reverse_bits(laine_karras(second, hash32(seed ^ 0x63D83595u))));
+        return unit_float(reverse_bits(laine_karras(second, hash32(seed ^ kSecondSalt))));
     }
 
     SamplerKind kind_;
@@ -103,5 +120,46 @@ class Sampler {
     uint32_t reversed_index_;
     uint32_t key_;
 };
+
+// The numbers of one vertex of a path, a lane each: two for light and bsdf, one for the rest.
+class Bounce {
+  public:
+    Vec2f light() const { return Vec2f(lanes_[0], lanes_[1]); }
+    Vec2f bsdf() const { return Vec2f(lanes_[2], lanes_[3]); }
+    float light_choice() const { return lanes_[4]; }
+    float lobe() const { return lanes_[5]; }
+    float roulette() const { return lanes_[6]; }
+
+  private:
+    friend class Sampler;
+    static constexpr std::size_t kLanes = 8;
+    static constexpr std::array<uint32_t, kLanes> kPair{0, 0, 1, 1, 2, 3, 4, 4};
+    static constexpr std::array<uint32_t, kLanes> kIsSecond{0, ~0u, 0, ~0u, 0, 0, 0, ~0u};  // masks
+    std::array<float, kLanes> lanes_;
+};
+
+inline Bounce Sampler::bounce(uint32_t bounce) const {
+    Bounce result;
+    const uint32_t first = bounce_pair(bounce, BouncePair{0});
+    if (kind_ == SamplerKind::independent) {
+        for (std::size_t lane = 0; lane < Bounce::kLanes; ++lane) {
+            const Vec2f u = pair(first + Bounce::kPair[lane]);
+            result.lanes_[lane] = Bounce::kIsSecond[lane] != 0 ? u.y : u.x;
+        }
+        return result;
+    }
+    // Kept a loop until the vectoriser sees it.
+    TALBOT_NO_UNROLL
+    for (std::size_t lane = 0; lane < Bounce::kLanes; ++lane) {
+        const uint32_t seed = hash_combine(key_, first + Bounce::kPair[lane]);
+        const uint32_t shuffled = reverse_bits(laine_karras(reversed_index_, seed));
+        const uint32_t second = sobol_second_reversed(shuffled);
+        const uint32_t mask = Bounce::kIsSecond[lane];
+        const uint32_t value = (second & mask) | (shuffled & ~mask);
+        const uint32_t salt = (kSecondSalt & mask) | (kFirstSalt & ~mask);
+        result.lanes_[lane] = unit_float(reverse_bits(laine_karras(value, hash32(seed ^ salt))));
+    }
+    return result;
+}
 
 }  // namespace talbot

@@ -14,7 +14,7 @@
 
 namespace talbot {
 
-// Decodes PNG or JPEG (by content) to RGBA8; 16-bit PNG is rounded. `name` is only for messages. Refuses images whose header
+// Decodes PNG, JPEG, WebP or KTX2 (by content) to RGBA8; 16-bit PNG is rounded. `name` is only for messages. Refuses images whose header
 // declares more than max_texels.
 Result<Image8> decode_image8(std::span<const uint8_t> bytes, const std::string& name, uint64_t max_texels = 1ull << 28);
 

@@ -8,8 +8,6 @@ namespace talbot {
 // A vertex or ray origin beyond this (in metres) is treated as not finite: squares and their
 // products stay in range below it.
 inline constexpr float kMaxCoordinate = 0x1p50f;
-// Below this the depths in a triangle's float test (products of three coordinates) cannot overflow.
-inline constexpr float kMaxDepthCoordinate = 0x1p38f;
 
 // The largest component of a direction must lie between these for the float kernels; others are
 // rescaled by a power of two.
@@ -38,13 +36,6 @@ inline constexpr float kSlabFarFactor = 1 + 0x10p-24f;
 // (first-order terms; the constants below leave a fifth for the rest).
 inline constexpr float kEdgeErrorDepth = 48;
 inline constexpr float kEdgeErrorExtent = 4;
-inline constexpr float kEdgeErrorFloor = 0x1p-120f;  // products flushed to zero
-// Let reach bound the depths of a triangle's vertices, and error be that of an edge function as
-// above. The depth of a hit times the area, u z0 + v z1 + w z2, is off by at most reach (3 error +
-// 5 eps area), a limit up to reach times the area by as much again, and the limit itself is
-// kSlabFarFactor too large.
-inline constexpr float kDepthErrorEdges = 8;
-inline constexpr float kDepthErrorArea = 32;
 inline constexpr double kDoubleEpsilon = 0x1p-53;
 // Doubled area in units of the error above, below which barycentrics are computed exactly.
 inline constexpr double kWellShaped = 0x1p22;

@@ -29,7 +29,8 @@ constexpr uint32_t reverse_bits(uint32_t x) {
 
 // The top 24 bits as a float in [0, 1 - 2^-24]: never rounds to 1.
 constexpr float unit_float(uint32_t bits) {
-    return static_cast<float>(bits >> 8) * 0x1p-24f;
+    // Through int32, whose conversion every vector unit has.
+    return static_cast<float>(static_cast<int32_t>(bits >> 8)) * 0x1p-24f;
 }
 
 }  // namespace talbot

@@ -11,6 +11,14 @@ uint32_t preview_divisor(uint64_t pixels, double samples_per_second, double seco
     return divisor;
 }
 
+double blended_rate(double previous, uint64_t samples, double seconds) {
+    constexpr double kBlend = 0.5;
+    constexpr uint64_t kEnough = 256;
+    if (samples < kEnough || !(seconds > 0)) return previous;
+    const double rate = static_cast<double>(samples) / seconds;
+    return previous > 0 ? (1 - kBlend) * previous + kBlend * rate : rate;
+}
+
 Work next_work(const ScheduleState& state) {
     if (!state.has_scene) return {};
     if (state.interactive && state.passes == 0) {

@@ -41,4 +41,7 @@ Work next_work(const ScheduleState& state);
 // `seconds`.
 uint32_t preview_divisor(uint64_t pixels, double samples_per_second, double seconds);
 
+// Samples per second after one more measurement; too small ones change nothing.
+double blended_rate(double previous, uint64_t samples, double seconds);
+
 }  // namespace talbot

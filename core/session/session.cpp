@@ -48,18 +48,16 @@ class RenderSession::Impl {
 
     bool wait_for(uint64_t generation, uint64_t passes, double seconds) const {
         std::unique_lock lock(mutex_);
-        const auto reached = [&] {
-            if (!latest_ || latest_->generation < generation) return stopped_;
-            return latest_->finished || stopped_ ||
-                   (!latest_->preview && latest_->passes >= passes);
+        const auto shown = [&] {
+            return latest_ && latest_->generation >= generation &&
+                   (latest_->finished || (!latest_->preview && latest_->passes >= passes));
         };
-        if (seconds < 0) {
+        const auto reached = [&] { return stopped_ || shown(); };
+        if (seconds < 0)
             published_.wait(lock, reached);
-        } else {
+        else
             published_.wait_for(lock, std::chrono::duration<double>(seconds), reached);
-        }
-        return latest_ && latest_->generation >= generation &&
-               (latest_->finished || (!latest_->preview && latest_->passes >= passes));
+        return shown();
     }
 
     void stop() {
@@ -136,13 +134,16 @@ class RenderSession::Impl {
             generation_ = generation;
             after_changes();
         }
-        if (!requests.empty()) renew_film();
+        serve(requests);
+        lock.lock();
+        return true;
+    }
+
+    void serve(const std::vector<FilmRequest>& requests) {
         for (const FilmRequest& request : requests) {
             (*request.f)(film_view());
             request.done->set_value();
         }
-        lock.lock();
-        return true;
     }
 
     ScheduleState schedule_state() const {
@@ -202,7 +203,8 @@ class RenderSession::Impl {
     void apply(SetFilm& change) { pending_film_ = std::move(change.state); }
     void apply(Restart&) { restart_ = true; }
 
-    FilmView film_view() const {
+    FilmView film_view() {
+        renew_film();
         return {film_, tracker_.state(), render_seconds_, rays_, nonfinite_};
     }
 
@@ -251,15 +253,18 @@ class RenderSession::Impl {
         tracker_.restore(std::move(state->error));
         if (passes_ == 0) return;
         stop_reached_ = target_met();
+        publish_film();
+    }
+
+    void publish_film() {
         publish(std::make_shared<const ImageRgba>(film_.image(settings_.transparent_background)),
                 false);
     }
 
-    // As of the last power of two.
     bool target_met() const {
-        const ErrorEstimate& error = tracker_.estimate();
-        return policy_.target_error_percent > 0 && error.valid &&
-               error.hi95 <= policy_.target_error_percent;
+        if (!(policy_.target_error_percent > 0)) return false;
+        const ErrorEstimate error = tracker_.at(passes_, render_seconds_);
+        return error.valid && error.hi95 <= policy_.target_error_percent;
     }
 
     double spent_seconds() const { return render_seconds_ - resumed_seconds_; }
@@ -278,33 +283,25 @@ class RenderSession::Impl {
     }
 
     // One pass over a film; returns whether every tile was finished.
-    bool render(Film& film, uint64_t target, uint64_t& samples, uint64_t& rays,
-                NonFiniteCount& nonfinite) {
-        const bool limited = policy_.time_limit_seconds > 0 && passes_ > 0;
-        const Clock::time_point start = Clock::now();
-        const auto out_of_time = [&] {
-            return spent_seconds() + seconds_since(start) > policy_.time_limit_seconds;
-        };
-        TileCounts counts;
-        const bool complete = talbot::render_pass(
-            {*scene_, camera_, settings_, tier_, target}, film, *pool_, work_stop_,
-            limited ? std::function<bool()>(out_of_time) : std::function<bool()>(), counts);
-        samples += counts.samples;
-        rays += counts.rays;
-        nonfinite.merge(counts.nonfinite);
-        return complete;
+    bool render(Film& film, uint64_t target, TileCounts& counts) {
+        std::function<bool()> out_of_time;
+        if (policy_.time_limit_seconds > 0 && passes_ > 0) {
+            out_of_time = [this, start = Clock::now()] {
+                return spent_seconds() + seconds_since(start) > policy_.time_limit_seconds;
+            };
+        }
+        return talbot::render_pass({*scene_, camera_, settings_, tier_, target}, film, *pool_,
+                                   work_stop_, out_of_time, counts);
     }
 
     void render_preview(uint32_t divisor) {
         const uint32_t width = std::max(1u, settings_.width / divisor);
         const uint32_t height = std::max(1u, settings_.height / divisor);
         Film film(width, height);
-        uint64_t samples = 0;
-        uint64_t rays = 0;
-        NonFiniteCount ignored;
+        TileCounts counts;
         const Clock::time_point start = Clock::now();
-        const bool complete = render(film, 1, samples, rays, ignored);
-        measure_rate(samples, seconds_since(start));
+        const bool complete = render(film, 1, counts);
+        measured_rate_ = blended_rate(measured_rate_, counts.samples, seconds_since(start));
         if (!complete) return;
         ++previews_done_;
         last_divisor_ = divisor;
@@ -314,7 +311,7 @@ class RenderSession::Impl {
 
     // Clearing the film waits until it is needed, for a preview should not wait for it.
     void renew_film() {
-        if (!film_is_stale_) return;
+        if (!film_is_stale_ || !scene_) return;
         film_is_stale_ = false;
         if (film_.width() == settings_.width && film_.height() == settings_.height) {
             film_.clear();
@@ -327,12 +324,14 @@ class RenderSession::Impl {
         renew_film();
         if (selection_ && !object_ids_) update_object_ids();
         const Clock::time_point start = Clock::now();
-        uint64_t samples = 0;
-        const bool complete = render(film_, passes_ + 1, samples, rays_, nonfinite_);
+        TileCounts counts;
+        const bool complete = render(film_, passes_ + 1, counts);
         const double seconds = seconds_since(start);
-        samples_ += samples;
+        samples_ += counts.samples;
+        rays_ += counts.rays;
+        nonfinite_.merge(counts.nonfinite);
         render_seconds_ += seconds;
-        measure_rate(samples, seconds);
+        measured_rate_ = blended_rate(measured_rate_, counts.samples, seconds);
         if (complete) {
             ++passes_;
             tracker_.observe(film_, passes_, render_seconds_, pool_.get());
@@ -340,7 +339,7 @@ class RenderSession::Impl {
         const bool out_of_time =
             policy_.time_limit_seconds > 0 && spent_seconds() >= policy_.time_limit_seconds;
         if (out_of_time && passes_ > 0) stop_reached_ = true;
-        if (complete && std::has_single_bit(passes_) && target_met()) stop_reached_ = true;
+        if (complete && target_met()) stop_reached_ = true;
         if (complete || stop_reached_) publish_pass();
     }
 
@@ -353,14 +352,6 @@ class RenderSession::Impl {
             return;
         publish(std::make_shared<const ImageRgba>(film_.image(settings_.transparent_background)),
                 false);
-    }
-
-    void measure_rate(uint64_t samples, double seconds) {
-        constexpr double kBlend = 0.5;
-        constexpr uint64_t kEnough = 256;
-        if (samples < kEnough || !(seconds > 0)) return;
-        const double rate = static_cast<double>(samples) / seconds;
-        measured_rate_ = measured_rate_ > 0 ? (1 - kBlend) * measured_rate_ + kBlend * rate : rate;
     }
 
     void update_object_ids() {
@@ -408,12 +399,9 @@ class RenderSession::Impl {
 
     // The last snapshot of a stopped session holds whatever was sampled.
     void finish() {
-        if (scene_) renew_film();
         if (scene_ && samples_ > 0) {
             passes_ = film_.min_samples();
-            publish(
-                std::make_shared<const ImageRgba>(film_.image(settings_.transparent_background)),
-                false);
+            publish_film();
         }
         std::vector<FilmRequest> requests;
         {
@@ -421,10 +409,7 @@ class RenderSession::Impl {
             stopped_ = true;
             requests.swap(film_requests_);
         }
-        for (const FilmRequest& request : requests) {
-            (*request.f)(film_view());
-            request.done->set_value();
-        }
+        serve(requests);
         published_.notify_all();
     }
 

@@ -13,6 +13,8 @@ using enum ExtensionSupport;
 constexpr auto kTable = std::to_array<ExtensionInfo>({
     {"EXT_mesh_gpu_instancing", supported, ""},
     {"EXT_meshopt_compression", supported, ""},
+    {"EXT_texture_webp", supported, ""},
+    {"KHR_draco_mesh_compression", supported, ""},
     {"KHR_implicit_shapes", supported, ""},
     {"KHR_lights_punctual", supported, ""},
     {"KHR_materials_anisotropy", supported, ""},
@@ -28,18 +30,16 @@ constexpr auto kTable = std::to_array<ExtensionInfo>({
     {"KHR_materials_unlit", supported, ""},
     {"KHR_materials_volume", supported, ""},
     {"KHR_mesh_quantization", supported, ""},
+    {"KHR_texture_basisu", supported, ""},
     {"KHR_texture_transform", supported, ""},
     {"TALBOT_implicit_surface", supported, ""},
     {"KHR_xmp", ignorable, ""},
     {"KHR_xmp_json_ld", ignorable, ""},
-    {"EXT_texture_webp", unsupported, "WebP textures are left out"},
     {"KHR_animation_pointer", unsupported, "animated properties keep their values"},
-    {"KHR_draco_mesh_compression", unsupported, "compressed meshes are not read"},
     {"KHR_materials_pbrSpecularGlossiness", unsupported,
      "the metallic-roughness values of the file are used"},
     {"KHR_materials_variants", unsupported, "the file's own materials are used"},
     {"KHR_node_visibility", unsupported, "hidden nodes are shown"},
-    {"KHR_texture_basisu", unsupported, "KTX2 textures are left out"},
 });
 
 }  // namespace

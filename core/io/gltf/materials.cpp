@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/io/gltf/images.h"
 #include "core/io/gltf/values.h"
 #include "core/math/robust.h"
 
@@ -255,7 +256,8 @@ class MaterialConverter {
         if (mapped != kNoTexture) return mapped;
         const tinygltf::Model& model = loading_.document.model;
         const tinygltf::Texture& in = model.textures[index];
-        if (in.source < 0) {
+        const std::optional<uint32_t> image = image_of_texture(in);
+        if (!image) {
             warn("textures[" + std::to_string(index) +
                  "] has no image that can be read; it is left out");
             return kNoTexture;
@@ -270,7 +272,7 @@ class MaterialConverter {
         }
         mapped = static_cast<uint32_t>(loading_.desc.textures.size());
         loading_.desc.textures.push_back(out);
-        tables_.image_of.push_back(static_cast<uint32_t>(in.source));
+        tables_.image_of.push_back(*image);
         return mapped;
     }
 
