@@ -440,7 +440,7 @@ TEST(Extensions, UnknownOnesAreReported) {
     GltfBuilder b;
     b.add_triangle();
     b.use_extension("EXT_nobody_knows");
-    b.use_extension("KHR_materials_clearcoat");
+    b.use_extension("KHR_animation_pointer");
     b.use_extension("KHR_xmp_json_ld");
     TALBOT_LOADED(scene, b.load());
     ASSERT_EQ(scene.extensions.size(), 3u);
