@@ -161,7 +161,7 @@ std::string run_record_json(const RunRecord& record) {
     j["warnings"] = s.scene->warnings();
     j["machine"] = {
         {"cpu", cpu_name()}, {"compiler", "g++ " __VERSION__}, {"flags", TALBOT_BUILD_FLAGS}};
-    return j.dump(2) + "\n";
+    return j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace talbot

@@ -270,6 +270,7 @@ std::vector<ErrorTracker::Mark> marks_after(const FilmFile& whole, const FilmFil
 
 Status save_film(const std::filesystem::path& path, const Film& film, const FilmMetadata& metadata,
                  const ErrorTracker::State& error) {
+    if (Status status = check_writable(path); !status) return status;
     const std::string header =
         header_of(film, metadata, error).dump(-1, ' ', false, json::error_handler_t::replace);
     if (header.size() > kMaxHeaderBytes) return unwritable(path, "its settings are too long");

@@ -34,6 +34,10 @@ Status save_exr(const std::filesystem::path& file, const ImageRgba& image, const
 Status save_hdr(const std::filesystem::path& file, const ImageRgba& image);
 Status save_pfm(const std::filesystem::path& file, const ImageRgba& image);
 
+// Refuses a file that could not be written: no such folder, no permission, or something there that
+// is no regular file.
+Status check_writable(const std::filesystem::path& file);
+
 // Writes bytes to a temporary file beside `file`, then renames it.
 Status write_file_atomically(const std::filesystem::path& file, std::span<const uint8_t> bytes);
 
