@@ -130,7 +130,9 @@ Status compare(const CompareOptions& options) {
                                   {"Description", "relative error, black 0.1 % to white 100 %"}});
         if (!status) return status;
     }
-    const std::string text = to_json(options, *image, errors).dump(2) + "\n";
+    const std::string text = to_json(options, *image, errors)
+                                 .dump(2, ' ', false, ordered_json::error_handler_t::replace) +
+                             "\n";
     if (options.json == "-") {
         std::fputs(text.c_str(), stdout);
         return Done{};

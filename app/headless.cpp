@@ -27,9 +27,16 @@ void on_signal(int) {
     interrupt_signals = interrupt_signals + 1;
 }
 
-void catch_signals() {
+// While a scene is loaded there is nothing to save yet.
+void leave_at_once(int) {
+    constexpr char kText[] = "talbot: error: interrupted while loading; nothing was written\n";
+    [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kText, sizeof(kText) - 1);
+    _exit(kExitInterrupted);
+}
+
+void catch_signals(void (*handler)(int)) {
     struct sigaction action {};
-    action.sa_handler = on_signal;
+    action.sa_handler = handler;
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
 }
@@ -45,9 +52,7 @@ std::string extension_of(const std::string& file) {
     return extension;
 }
 
-// Refuses outputs that could not be written, before any work is done.
-Status check_outputs(const Options& options) {
-    std::vector<std::string> files = options.outputs;
+Status check_image_kinds(const Options& options) {
     for (const std::string& output : options.outputs) {
         const std::string extension = extension_of(output);
         if (extension != ".png" && extension != ".exr" && extension != ".hdr" &&
@@ -56,20 +61,35 @@ Status check_outputs(const Options& options) {
                          "unknown kind '" + extension + "'; use .png, .exr, .hdr or .pfm"};
         }
     }
+    if (!options.screenshot.empty() && extension_of(options.screenshot) != ".png")
+        return Error{ErrorKind::usage, options.screenshot, "--screenshot", "must be a .png"};
+    return Done{};
+}
+
+// Refuses outputs that could not be written, or would be written over each other or over the input,
+// before any work is done.
+Status check_outputs(const Options& options) {
+    if (Status status = check_image_kinds(options); !status) return status;
+    std::vector<std::string> files = options.outputs;
     for (const std::string& extra :
          {options.report, options.film, options.checkpoint, options.screenshot}) {
         if (!extra.empty()) files.push_back(extra);
     }
+    std::vector<std::filesystem::path> taken;
     for (const std::string& file : files) {
-        std::filesystem::path folder = std::filesystem::path(file).parent_path();
-        if (folder.empty()) folder = ".";
-        std::error_code code;
-        if (!std::filesystem::is_directory(folder, code)) {
-            return Error{ErrorKind::cannot_write, file, "",
-                         "the folder '" + folder.string() + "' does not exist"};
+        if (Status status = check_writable(file); !status) return status;
+        const std::filesystem::path whole = std::filesystem::weakly_canonical(file);
+        if (std::find(taken.begin(), taken.end(), whole) != taken.end()) {
+            return Error{ErrorKind::usage, file, "",
+                         "is named for two outputs; give each its own file"};
         }
-        if (access(folder.c_str(), W_OK) != 0 || std::filesystem::is_directory(file, code)) {
-            return Error{ErrorKind::cannot_write, file, "", "cannot be written here"};
+        taken.push_back(whole);
+        for (const std::string& input : {options.scene_file, options.environment}) {
+            std::error_code code;
+            if (!input.empty() && std::filesystem::equivalent(file, input, code)) {
+                return Error{ErrorKind::usage, file, "",
+                             "is an input of this render; write to another file"};
+            }
         }
     }
     return Done{};
@@ -221,7 +241,10 @@ int finish(const Options& options, RenderSession& session, RunRecord record) {
                     " samples were not usable and count as zero; replay the first with --pixel " +
                     std::to_string(bad.first_x) + "," + std::to_string(bad.first_y) + " --sample " +
                     std::to_string(bad.first_sample));
-        if (options.strict) return kExitFailed;
+        if (options.strict) {
+            log_error("--strict: not every sample was usable");
+            return kExitFailed;
+        }
     }
     return record.interrupted ? kExitInterrupted : kExitDone;
 }
@@ -229,8 +252,8 @@ int finish(const Options& options, RenderSession& session, RunRecord record) {
 }  // namespace
 
 int run_headless(const Options& given, Clock::time_point process_start) {
+    catch_signals(leave_at_once);
     if (Status status = check_outputs(given); !status) return report_error(status.error());
-    catch_signals();
     Options options = given;
     Result<std::optional<FilmFile>> resumed = load_resume(options);
     if (!resumed) return report_error(resumed.error());
@@ -242,8 +265,10 @@ int run_headless(const Options& given, Clock::time_point process_start) {
             return report_error(status.error());
     }
 
-    RenderSession session(policy_of(options, process_start), pool);
     RunRecord record;
+    if (!options.report.empty()) record.bias = measure_bias(*setup, *pool);
+    RenderSession session(policy_of(options, process_start), pool);
+    catch_signals(on_signal);
     record.interrupted = render(session, options, *setup, std::move(*resumed));
     const std::shared_ptr<const Snapshot> snapshot = session.latest();
     if (!snapshot) {

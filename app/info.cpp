@@ -132,7 +132,7 @@ int run_info(const Options& options) {
     }
     const ordered_json j = describe(*setup);
     if (options.json) {
-        std::printf("%s\n", j.dump(2).c_str());
+        std::printf("%s\n", j.dump(2, ' ', false, ordered_json::error_handler_t::replace).c_str());
     } else {
         print_text(j);
     }

@@ -102,7 +102,9 @@ Status run_interaction(const InteractionOptions& options) {
     const Json report =
         report_of(**loop, runner, **context, session.threads(), options.script.string(), outcome);
     session.stop();
-    const Status written = write_report(options.report, report.dump(2) + "\n");
+    const Status written = write_report(
+        options.report,
+        report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
     if (!outcome) return outcome;
     return written;
 }

@@ -1,6 +1,7 @@
 // The program: parse, choose a driver, map its outcome to the exit code.
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
@@ -8,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "app/accuracy.h"
 #include "app/compare.h"
 #include "app/exit_code.h"
 #include "app/headless.h"
@@ -30,6 +32,8 @@ bool has_display() {
 int render_without_display(Options options, std::chrono::steady_clock::time_point start) {
     options.frames = kFramesWithoutDisplay;
     options.outputs = {(std::filesystem::current_path() / "talbot.png").string()};
+    log_info("there is no display: rendering " + std::to_string(kFramesWithoutDisplay) +
+             " passes to " + options.outputs.front());
     const int code = run_headless(options, start);
     if (code == kExitDone)
         log_info("there is no display; the picture is " + options.outputs.front());
@@ -39,6 +43,7 @@ int render_without_display(Options options, std::chrono::steady_clock::time_poin
 int run(int argc, char** argv, std::chrono::steady_clock::time_point start) {
     const std::string command = argc > 1 ? argv[1] : "";
     const std::vector<std::string> rest(argv + std::min(argc, 2), argv + argc);
+    if (command == "accuracy") return run_accuracy(rest);
     if (command == "compare") return run_compare(rest);
     if (command == "merge") return run_merge(rest);
     const Result<std::optional<Options>> parsed = parse_options(argc, argv);
@@ -63,7 +68,11 @@ int run(int argc, char** argv, std::chrono::steady_clock::time_point start) {
 int main(int argc, char** argv) {
     const auto start = std::chrono::steady_clock::now();
     try {
-        return talbot::run(argc, argv, start);
+        const int code = talbot::run(argc, argv, start);
+        // What was printed must have arrived: a full disk behind a redirection is a failure, too.
+        if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+        talbot::log_error("cannot write to the standard output");
+        return code == talbot::kExitDone ? talbot::kExitCannotWrite : code;
     } catch (const std::bad_alloc&) {
         talbot::log_error("out of memory; try a smaller --size or scene");
     } catch (const std::exception& error) {

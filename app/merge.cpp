@@ -150,7 +150,7 @@ Status merge(const MergeOptions& options) {
     }
     if (Status status = write_output(options, whole); !status) return status;
     const ordered_json j = summary(options, whole);
-    const std::string text = j.dump(2) + "\n";
+    const std::string text = j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
     if (options.json == "-") {
         std::fputs(text.c_str(), stdout);
         return Done{};

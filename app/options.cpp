@@ -291,6 +291,24 @@ Status convert(const RawOptions& raw, Options& o) {
     return Done{};
 }
 
+// Options that would be ignored beside each other are refused.
+Status check_combination(const RawOptions& raw, const Options& o) {
+    const bool writes = !o.outputs.empty() || !o.film.empty() || !o.checkpoint.empty() ||
+                        !o.resume.empty() || !o.screenshot.empty();
+    const bool ends = o.frames || o.time_seconds || o.target_error_percent;
+    if (o.pixel && (writes || ends || !o.report.empty() || !o.interact.empty()))
+        return usage("--pixel", "replays one sample and writes no file; leave out the others");
+    if (!o.pixel && !raw.sample.empty())
+        return usage("--sample", "says which sample --pixel X,Y replays; give that, too");
+    if (!o.interact.empty() && writes)
+        return usage("--interact",
+                     "writes files by its own steps (save, screenshot); leave out "
+                     "--output and the like");
+    if (o.orbit && !o.camera.empty())
+        return usage("--orbit", "is itself a camera; leave out --camera");
+    return Done{};
+}
+
 }  // namespace
 
 Result<std::optional<Options>> parse_options(int argc, char** argv) {
@@ -313,7 +331,14 @@ Result<std::optional<Options>> parse_options(int argc, char** argv) {
         for (char& c : what) c = c == '\n' ? ' ' : c;
         return usage("command line", what + "; see talbot --help");
     }
+    // Typically a shell variable that is not set; it must not pass for "option not given".
+    for (const CLI::Option* option : app.get_options()) {
+        for (const std::string& value : option->results()) {
+            if (value.empty()) return usage(option->get_name(), "has an empty value");
+        }
+    }
     if (Status status = convert(raw, options); !status) return status.error();
+    if (Status status = check_combination(raw, options); !status) return status.error();
     return std::optional<Options>(std::move(options));
 }
 

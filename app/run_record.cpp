@@ -78,6 +78,19 @@ ordered_json nonfinite_json(const NonFiniteCount& n) {
     return json;
 }
 
+ordered_json bias_json(const std::vector<BiasEntry>& ledger) {
+    ordered_json json = ordered_json::array();
+    for (const BiasEntry& entry : ledger) {
+        json.push_back({{"switch", entry.name},
+                        {"floor_percent", entry.floor.relrmse_percent},
+                        {"hi95", entry.floor.hi95},
+                        {"significant", entry.floor.significant},
+                        {"block_p_value", entry.floor.block_p_value},
+                        {"brightness_percent", entry.floor.brightness_percent}});
+    }
+    return json;
+}
+
 template <typename Table, typename Enum, typename Member>
 std::string name_in(const Table& table, Enum value, Member member) {
     for (const auto& row : table) {
@@ -137,7 +150,7 @@ std::string run_record_json(const RunRecord& record) {
                                {"hi95", p.hi95}};
         }
     }
-    j["bias"] = ordered_json::array();
+    j["bias"] = bias_json(record.bias);
     j["nonfinite"] = nonfinite_json(s.nonfinite);
     j["effects"] = effects_json(s);
     j["film_hash"] = record.film_hash;
@@ -148,7 +161,7 @@ std::string run_record_json(const RunRecord& record) {
     j["warnings"] = s.scene->warnings();
     j["machine"] = {
         {"cpu", cpu_name()}, {"compiler", "g++ " __VERSION__}, {"flags", TALBOT_BUILD_FLAGS}};
-    return j.dump(2) + "\n";
+    return j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace talbot

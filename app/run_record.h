@@ -4,7 +4,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "app/bias_record.h"
 #include "core/base/result.h"
 #include "core/session/snapshot.h"
 
@@ -24,6 +26,7 @@ struct RunRecord {
     unsigned threads = 0;
     std::string film_hash;
     std::optional<double> target_error_percent;
+    std::vector<BiasEntry> bias;
     bool interrupted = false;
 };
 

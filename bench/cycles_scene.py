@@ -1,6 +1,6 @@
 """Run inside Blender: renders a glTF scene with Cycles on the CPU and prints the seconds of sampling.
 
-blender -b --factory-startup -P cycles_scene.py -- SCENE.gltf SPP THREADS BOUNCES [OUTPUT.exr]
+blender -b --factory-startup -P cycles_scene.py -- SCENE.gltf SPP THREADS BOUNCES [OUTPUT.pfm [SEED]]
 No denoiser, no clamping, no adaptive sampling, caustics on, 1 px box filter: the settings that estimate the same image as
 Talbot's.
 """
@@ -28,6 +28,7 @@ width, height = doc["cameras"][0].get("extras", {}).get("resolution", [512, 512]
 scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = width, height, 100
 scene.render.threads_mode, scene.render.threads = "FIXED", threads
 c = scene.cycles
+c.seed = int(args[5]) if len(args) > 5 else 0
 c.device, c.samples, c.use_adaptive_sampling, c.use_denoising = "CPU", spp, False, False
 c.sample_clamp_direct = c.sample_clamp_indirect = 0
 c.blur_glossy, c.caustics_reflective, c.caustics_refractive = 0, True, True
@@ -41,7 +42,7 @@ world.node_tree.nodes["Background"].inputs[0].default_value = (*color, 1)
 scene.view_settings.view_transform = "Standard"
 scene.render.image_settings.file_format = "OPEN_EXR"
 scene.render.image_settings.color_depth = "32"
-scene.render.filepath = args[4] if len(args) > 4 else "/dev/shm/cycles_scene.exr"
+scene.render.filepath = "/dev/shm/cycles_scene.exr"
 
 
 def render(samples):
@@ -57,3 +58,10 @@ long = render(spp)
 seconds = (long - short) * spp / (spp - max(1, spp // 8))
 print(json.dumps({"cycles": bpy.app.version_string, "width": width, "height": height, "spp": spp, "sampling_seconds": seconds,
                   "samples_per_second": width * height * spp / seconds}))
+if len(args) > 4:
+    image = bpy.data.images.load(scene.render.filepath)
+    pixels = numpy.empty(width * height * 4, numpy.float32)
+    image.pixels.foreach_get(pixels)
+    with open(args[4], "wb") as file:  # Blender's rows and those of a PFM go from the bottom up
+        file.write(f"PF\n{width} {height}\n-1.0\n".encode())
+        pixels.reshape(-1, 4)[:, :3].astype("<f4").tofile(file)

@@ -4,3 +4,5 @@ set_source_files_properties(${TALBOT_IO_TESTS} PROPERTIES COMPILE_OPTIONS "-O0")
 
 # Encoders, to make compressed input.
 target_link_libraries(test_io_gltf_meshopt PRIVATE ${TALBOT_MESHOPTIMIZER})
+target_link_libraries(test_io_gltf_draco PRIVATE ${TALBOT_DRACO_LIBRARIES})
+target_link_libraries(test_io_gltf_textures PRIVATE ${TALBOT_WEBP_LIBRARIES})

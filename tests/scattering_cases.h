@@ -19,10 +19,18 @@ struct ScatteringCase {
     ShadingParams params;
     bool outside = true;
 
-    // 0 where light is scattered by delta lobes and diffusely alone.
-    double lobe_width() const { return params.alpha < kDeltaAlpha ? 0.0 : double{params.alpha}; }
+    bool transmits() const { return params.transmission > 0 || params.diffuse_transmission > 0; }
+    // Of the sharpest lobe; 0 where light is scattered by delta lobes and diffusely alone.
+    double lobe_width() const {
+        const bool stretched = params.anisotropy > 0;
+        float width = stretched ? std::max(params.alpha, kDeltaAlpha) : params.alpha;
+        if (params.clearcoat > 0 && !(params.clearcoat_alpha < kDeltaAlpha))
+            width = width < kDeltaAlpha ? params.clearcoat_alpha
+                                        : std::min(width, params.clearcoat_alpha);
+        return width < kDeltaAlpha ? 0.0 : double{width};
+    }
     float eta() const {
-        if (params.thin || params.ior == 0) return 1;
+        if (params.thin || params.ior == 0 || params.transmission == 0) return 1;
         return outside ? params.ior : 1 / params.ior;
     }
 };
@@ -76,6 +84,53 @@ inline std::vector<ScatteringCase> white_surfaces(float alpha) {
     return cases;
 }
 
+// Surfaces with the lobes of the extensions over white ones, at one alpha.
+inline std::vector<ScatteringCase> layered_surfaces(float alpha) {
+    std::vector<ScatteringCase> cases;
+    const auto add = [&](const std::string& name, auto edit, bool outside = true) {
+        ScatteringCase c{name, {}, outside};
+        c.params.alpha = alpha;
+        edit(c.params);
+        cases.push_back(c);
+    };
+    const auto stretch = [](ShadingParams& p) {
+        p.anisotropy = 0.7f;
+        p.anisotropy_direction = Vec3f(0.8f, 0.6f, 0);
+    };
+    const auto film = [](ShadingParams& p) {
+        p.iridescence = 1;
+        p.iridescence_thickness = 500;
+    };
+    add("coat", [&](ShadingParams& p) { p.clearcoat = 1, p.clearcoat_alpha = alpha; });
+    add("smooth coat on metal", [](ShadingParams& p) { p.clearcoat = 1, p.metallic = 1; });
+    add("half coat on glass", [&](ShadingParams& p) {
+        p.clearcoat = 0.5f, p.clearcoat_alpha = 0.25f, p.transmission = 1, p.thin = false;
+    });
+    // Sharper sheen is all but zero, down to underflow, away from grazing.
+    add("sheen",
+        [&](ShadingParams& p) { p.sheen_color = Rgb(1), p.sheen_alpha = std::max(alpha, 0.1f); });
+    add("dim sheen on metal",
+        [](ShadingParams& p) { p.sheen_color = Rgb(0.5f), p.sheen_alpha = 0.25f, p.metallic = 1; });
+    add("stretched metal", [&](ShadingParams& p) { stretch(p), p.metallic = 1; });
+    add("stretched plastic", [&](ShadingParams& p) { stretch(p); });
+    add("stretched thin glass", [&](ShadingParams& p) { stretch(p), p.transmission = 1; });
+    add("stretched glass",
+        [&](ShadingParams& p) { stretch(p), p.transmission = 1, p.thin = false; });
+    add("film on metal", [&](ShadingParams& p) { film(p), p.metallic = 1; });
+    add("film on plastic", [&](ShadingParams& p) { film(p); });
+    add("film on glass", [&](ShadingParams& p) { film(p), p.transmission = 1, p.thin = false; });
+    add("diffusely transmitting", [](ShadingParams& p) { p.diffuse_transmission = 0.6f; });
+    add("leaf", [](ShadingParams& p) {
+        p.diffuse_transmission = 1, p.transmission = 0.3f, p.clearcoat = 0.8f;
+        p.clearcoat_alpha = 0.01f;
+    });
+    add("everything", [&](ShadingParams& p) {
+        stretch(p), p.metallic = 0.5f, p.sheen_color = Rgb(0.6f), p.sheen_alpha = 0.3f;
+        p.clearcoat = 0.7f, p.clearcoat_alpha = 0.04f, p.diffuse_transmission = 0.5f;
+    });
+    return cases;
+}
+
 // Direction about which the light scattered to one side crowds.
 inline Vec3d lobe_axis(const ScatteringCase& c, const View& v, bool transmitted) {
     const Vec3d wo(v.wo());
@@ -102,13 +157,13 @@ double integrate_sphere(const ScatteringCase& c, const View& v, const Value& val
     if (!bsdf.has_smooth_lobe()) return 0;
     double sum = 0;
     for (const bool transmitted : {false, true}) {
-        if (transmitted && c.params.transmission == 0) continue;
+        if (transmitted && !c.transmits()) continue;
         const stats::SphereCells cells(lobe_axis(c, v, transmitted), c.lobe_width(), 12, 6);
         sum += cells.integrate(
             [&](const Vec3f& wi) {
                 return (wi.z < 0) == transmitted ? value(wi, bsdf.eval(wi)) : 0.0;
             },
-            tolerance, v.tilt == 0);
+            tolerance, v.tilt == 0 && c.params.anisotropy == 0);
     }
     return sum;
 }
@@ -119,9 +174,30 @@ inline std::vector<BsdfSample> delta_events(const FullBsdf& bsdf) {
     constexpr int kSteps = 8192;
     for (int i = 0; i < kSteps; ++i) {
         const auto s = bsdf.sample((static_cast<float>(i) + 0.5f) / kSteps, Vec2f(0.3f, 0.6f));
-        if (s && s->delta && (events.empty() || events.back().wi != s->wi)) events.push_back(*s);
+        if (s && s->delta &&
+            (events.empty() || events.back().wi != s->wi || events.back().pdf != s->pdf))
+            events.push_back(*s);
     }
     return events;
+}
+
+// The same as albedo() by sample() alone, over the points of an even sequence (Kronecker's, with
+// the root of x^4 = x + 1): for lobes too slender for quadrature.
+inline double sampled_albedo(const ScatteringCase& c, const View& v) {
+    constexpr int kPoints = 200000;
+    constexpr double kRoot = 1.2207440846057596;
+    const FullBsdf bsdf = make_bsdf(c, v);
+    const auto u = [](double step, int i) {
+        const double x = 0.5 + step * i;
+        return std::min(static_cast<float>(x - std::floor(x)), kOneMinusEpsilon);
+    };
+    double sum = 0;
+    for (int i = 0; i < kPoints; ++i) {
+        const auto s = bsdf.sample(
+            u(1 / kRoot, i), Vec2f(u(1 / (kRoot * kRoot), i), u(1 / (kRoot * kRoot * kRoot), i)));
+        if (s) sum += static_cast<double>(mean_component(s->weight) * s->eta * s->eta);
+    }
+    return sum / kPoints;
 }
 
 // What the surface returns of a uniform surrounding: power, radiance scaling of refraction undone.

@@ -1,6 +1,7 @@
 // The program as a user runs it: exit codes, one clear line for bad input, whole files or none, the
 // same bytes each time.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -166,6 +167,60 @@ TEST_F(CommandLine, InfoNamesWhatIsInTheFile) {
     EXPECT_EQ(outcome.code, 0);
     EXPECT_NE(outcome.output.find("emissive_meshes"), std::string::npos);
     EXPECT_EQ(run("info " + kCornell + " --json").output.front(), '{');
+}
+
+// What is no regular file stays what it is; a link stays a link.
+TEST_F(CommandLine, ReplacesNoDeviceAndFollowsLinks) {
+    const std::string render = kCornell + " --frames 1 --size 16x12 ";
+    ASSERT_EQ(mkfifo(path("pipe").c_str(), 0666), 0);
+    expect_refusal(render + "--report " + path("pipe"), 4, "not a regular file");
+    EXPECT_TRUE(fs::is_fifo(path("pipe")));
+    write("target.png", "old");
+    fs::create_symlink(path("target.png"), path("link.png"));
+    EXPECT_EQ(run(render + "--output " + path("link.png")).code, 0);
+    EXPECT_TRUE(fs::is_symlink(path("link.png")));
+    EXPECT_GT(fs::file_size(path("target.png")), 100u);
+}
+
+TEST_F(CommandLine, OutputsThatCollideAreRefused) {
+    const std::string render = kCornell + " --frames 1 --size 16x12 ";
+    const std::string file = path("same.png");
+    expect_refusal(render + "--output " + file + " --output " + file, 2, "two outputs");
+    expect_refusal(render + "--output " + file + " --film " + path("./same.png"), 2, "two outputs");
+    write("scene.gltf", R"({"asset":{"version":"2.0"}})");
+    expect_refusal(path("scene.gltf") + " --frames 1 --report " + path("scene.gltf"), 2, "input");
+    EXPECT_EQ(read_bytes(path("scene.gltf")).size(), 27u);
+    EXPECT_FALSE(fs::exists(file));
+}
+
+TEST_F(CommandLine, OptionsThatWouldBeIgnoredAreRefused) {
+    const std::string small = kCornell + " --size 16x12 ";
+    expect_refusal(small + "--frames ''", 2, "--frames");
+    expect_refusal(small + "--resume ''", 2, "--resume");
+    expect_refusal("'' --frames 1", 2, "empty");
+    expect_refusal(small + "--pixel 3,3 --output " + path("p.png"), 2, "--pixel");
+    expect_refusal(small + "--sample 3 --frames 1", 2, "--sample");
+    expect_refusal(small + "--interact i.jsonl --film " + path("f"), 2, "--interact");
+    expect_refusal(small + "--orbit 0,0,0,0,90,5,40 --camera 0 --frames 1", 2, "--orbit");
+    expect_refusal(small + "--frames 1 --screenshot " + path("s.jpg"), 2, "--screenshot");
+}
+
+TEST_F(CommandLine, LostStandardOutputIsAFailure) {
+    if (!fs::exists("/dev/full")) GTEST_SKIP() << "NO /dev/full, LOST OUTPUT NOT TESTED";
+    const std::string command = std::string("timeout 60 '") + TALBOT_BINARY + "' info " + kCornell;
+    EXPECT_EQ(WEXITSTATUS(std::system((command + " > /dev/full 2>&1").c_str())), 4);
+    EXPECT_EQ(WEXITSTATUS(std::system((command + " > /dev/null 2>&1").c_str())), 0);
+}
+
+// A name from a stranger cannot forge lines or reach the terminal raw.
+TEST_F(CommandLine, MessagesStayOneLine) {
+    write(
+        "x.gltf",
+        R"({"asset":{"version":"2.0"},"extensionsRequired":["A\nB\u001b[31m"],"extensionsUsed":["A\nB\u001b[31m"]})");
+    const Outcome named = run(path("x.gltf") + " --frames 1");
+    EXPECT_EQ(named.code, 3);
+    EXPECT_EQ(std::count(named.output.begin(), named.output.end(), '\n'), 1) << named.output;
+    EXPECT_EQ(named.output.find('\x1b'), std::string::npos);
 }
 
 }  // namespace

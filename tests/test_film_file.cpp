@@ -102,7 +102,8 @@ TEST_F(FilmFileTest, RoundTrip) {
     EXPECT_EQ(back->metadata.nonfinite.inf, 2u);
     EXPECT_EQ(back->metadata.nonfinite.first_x, 7u);
     EXPECT_EQ(back->metadata.nonfinite.first_sample, 1ull << 60);
-    EXPECT_EQ(back->error.half, file.error.half);
+    EXPECT_EQ(back->error.memory.image, file.error.memory.image);
+    EXPECT_EQ(back->error.memory.difference, file.error.memory.difference);
     EXPECT_EQ(back->error.last.blocks, file.error.last.blocks);
     ASSERT_EQ(back->error.marks.size(), 3u);
     for (std::size_t i = 0; i < 3; ++i) {

@@ -141,6 +141,43 @@ TEST(Shared, EveryFileLoadsOrNamesWhatItLacks) {
     EXPECT_GE(counted, 45u);
 }
 
+// Corners in the world, sorted by a coarse grid, with the normals.
+std::vector<std::array<double, 6>> corners_of(const SceneDesc& scene) {
+    std::vector<std::array<double, 6>> corners;
+    for (const MeshInstance& instance : scene.instances) {
+        const Mesh& mesh = scene.meshes[instance.mesh];
+        for (const uint32_t i : mesh.indices) {
+            const Vec3d p(instance.world_from_object * Vec4d(Vec3d(mesh.positions[i]), 1));
+            const Vec3d n(mesh.normals[i]);
+            corners.push_back({p.x, p.y, p.z, n.x, n.y, n.z});
+        }
+    }
+    return corners;
+}
+
+// Every corner of each has one of the other nearby (compressors reorder them).
+void expect_same_corners(const fs::path& a_file, const fs::path& b_file, double tolerance) {
+    TALBOT_LOADED(a, load_gltf(a_file));
+    TALBOT_LOADED(b, load_gltf(b_file));
+    auto from = corners_of(a);
+    auto to = corners_of(b);
+    ASSERT_EQ(from.size(), to.size());
+    for (int turn = 0; turn < 2; ++turn, std::swap(from, to)) {
+        std::sort(to.begin(), to.end());
+        for (const auto& p : from) {
+            auto at = std::lower_bound(to.begin(), to.end(),
+                                       std::array{p[0] - tolerance, 0., 0., 0., 0., 0.});
+            bool found = false;
+            for (; !found && at != to.end() && (*at)[0] <= p[0] + tolerance; ++at) {
+                found = true;
+                for (size_t k = 1; k < 6; ++k)
+                    found = found && std::abs((*at)[k] - p[k]) < (k < 3 ? tolerance : 0.02);
+            }
+            ASSERT_TRUE(found) << b_file << " at " << p[0] << " " << p[1] << " " << p[2];
+        }
+    }
+}
+
 TEST(Shared, EncodingsOfOneModelAreAlike) {
     const fs::path models = shared_folder() / "models";
     if (!fs::exists(models)) GTEST_SKIP() << "no " << models << "; set TALBOT_SHARED_DIR";
@@ -161,6 +198,9 @@ TEST(Shared, EncodingsOfOneModelAreAlike) {
     for (size_t i = 0; i < plain.meshes[0].indices.size(); ++i) {
         EXPECT_NEAR(length(corner(plain, i) - corner(quantised, i)), 0, 1e-3) << i;
     }
+    expect_same_corners(models / "Box/Box.glb", models / "Box/glTF-Draco/Box.gltf", 1e-3);
+    expect_same_corners(models / "CesiumMan/CesiumMan.glb",
+                        models / "CesiumMan/glTF-Draco/CesiumMan.gltf", 1e-3);
     // Its encoder has reordered the triangles: corners as a set.
     for (const char* file : {"BoxMeshopt/BoxMeshopt.glb", "BoxMeshopt/glTF/BoxMeshopt.gltf"}) {
         TALBOT_LOADED(packed, load_gltf(models / file));

@@ -127,5 +127,20 @@ TEST(ToneMap, DevelopShowsChannels) {
     EXPECT_EQ(bytes.bytes[2], 188);
 }
 
+// The bytes of the linear curve against the sRGB formula in double, over all magnitudes.
+TEST(Develop, BytesAreTheFormulasRounded) {
+    DisplaySettings display;
+    display.tone_map = ToneMap::linear;
+    for (int i = 0; i <= 60000; ++i) {
+        const float x = static_cast<float>(std::exp2(-16.0 * (1 - i / 60000.0)));
+        const double linear = static_cast<double>(x);
+        const double srgb =
+            linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+        const double wanted = 255 * srgb;
+        if (std::abs(wanted - std::floor(wanted) - 0.5) < 1e-3) continue;  // either neighbour
+        ASSERT_EQ(develop(one_pixel(Rgb(x)), display).bytes[0], std::lround(wanted)) << x;
+    }
+}
+
 }  // namespace
 }  // namespace talbot

@@ -285,9 +285,13 @@ void FrameLoop::select_at(const Vec2f& position) {
 }
 
 void FrameLoop::open_file(const std::string& file) {
+    opened_at_ = 0;
     if (is_environment_file(file)) {
         jobs_.load_environment(file);
     } else {
+        opened_at_ = now_seconds();
+        // The scene on show makes room: loading gets the cores.
+        session_.submit(SetPaused{true});
         jobs_.load_scene(file, options_.loader);
     }
 }
@@ -303,6 +307,7 @@ void FrameLoop::save_file(const std::string& file) {
 void FrameLoop::finish_jobs() {
     while (std::optional<BackgroundJobs::Outcome> outcome = jobs_.poll()) {
         settle_frames_ = kSettleFrames;
+        if (!jobs_.busy()) session_.submit(SetPaused{model_.paused});
         if (auto* scene = std::get_if<LoadedScene>(&*outcome)) {
             show(scene->scene, scene->camera);
         } else if (auto* image = std::get_if<std::shared_ptr<const EnvironmentImage>>(&*outcome)) {
@@ -349,7 +354,9 @@ void FrameLoop::submit_changes(double input_time) {
         const bool shows = change_kind(change, kind);
         generation_ = session_.submit(std::move(change));
         if (!shows) continue;
-        recorder_.submitted(generation_, kind, input_time);
+        const bool opened = kind == ChangeKind::scene && opened_at_ > 0;
+        recorder_.submitted(generation_, kind, opened ? opened_at_ : input_time);
+        if (opened) opened_at_ = 0;
         latch_until_ = input_time + kLatchSeconds;
     }
 }

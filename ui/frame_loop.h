@@ -113,6 +113,7 @@ class FrameLoop {
     double notice_until_ = 0;
     double last_step_ = 0;
     double update_seconds_ = 0;
+    double opened_at_ = 0;    // when the file was asked for that is being loaded
     double latch_until_ = 0;  // drawing waits for the image of generation_ no longer than this
     double gl_seconds_ = 0;
     float scale_ = 0;

@@ -19,6 +19,16 @@ constexpr SlotRow kSlots[] = {
     {"specularTexture", &Material::specular_texture},
     {"specularColorTexture", &Material::specular_color_texture},
     {"transmissionTexture", &Material::transmission_texture},
+    {"diffuseTransmissionTexture", &Material::diffuse_transmission_texture},
+    {"diffuseTransmissionColorTexture", &Material::diffuse_transmission_color_texture},
+    {"clearcoatTexture", &Material::clearcoat_texture},
+    {"clearcoatRoughnessTexture", &Material::clearcoat_roughness_texture},
+    {"clearcoatNormalTexture", &Material::clearcoat_normal_texture},
+    {"sheenColorTexture", &Material::sheen_color_texture},
+    {"sheenRoughnessTexture", &Material::sheen_roughness_texture},
+    {"anisotropyTexture", &Material::anisotropy_texture},
+    {"iridescenceTexture", &Material::iridescence_texture},
+    {"iridescenceThicknessTexture", &Material::iridescence_thickness_texture},
 };
 
 void draw_texture(const ViewerModel& model, const char* name, const TextureSlot& slot) {

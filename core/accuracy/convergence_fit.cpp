@@ -1,9 +1,11 @@
-// Weighted non-negative least squares with one or two powers from a fixed set, by trying all pairs.
+// Two fits: weighted non-negative least squares with one or two powers from a fixed set, by trying
+// all pairs; and one power, shrunk towards what images usually have.
 #include "core/accuracy/convergence_fit.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace talbot {
@@ -16,10 +18,7 @@ constexpr std::size_t kOctavesUsed = 4;
 // Model error: octaves older than the last two count less, since the law drifts.
 constexpr double kDriftPerOctave = 0.1;
 constexpr double kLeastRelativeError = 0.002;
-
-// With a single octave the exponent is unknown: between the independent sampler's 1 and what edges
-// give.
-constexpr double kFirstShareOfOne = 0.6;
+constexpr double kExponentDrift = 0.03;  // of the exponent, over the octaves to come
 
 struct Point {
     double ratio;     // samples / last samples, <= 1
@@ -82,15 +81,56 @@ Mixture fit_mixture(std::span<const Point> points) {
     return best;
 }
 
-double mean_exponent(const Mixture& m) {
-    return (m.v[0] * m.exponent[0] + m.v[1] * m.exponent[1]) / m.total();
+// One power for all octaves.
+struct PowerLaw {
+    double exponent = 0;
+    double standard_deviation = 0;
+};
+
+// Weighted slope of ln difference over ln samples, drawn towards what images of scenes have. The
+// weaker the prior the further the slope lies from it, so that clear data win.
+PowerLaw fit_power(std::span<const Point> points) {
+    constexpr double kPrior = 1.05, kPriorSd = 0.1, kAloneSd = 0.13;
+    constexpr double kLeastSlopeSd = 0.05;  // odd and even powers of two differ
+    constexpr double kMostExponent = 3;
+    if (points.size() == 1) return {kPrior, kAloneSd};
+    double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;
+    for (const Point& p : points) {
+        const double weight = 1 / (p.relative * p.relative);
+        const double x = -std::log(p.ratio), y = std::log(p.value);
+        w += weight;
+        wx += weight * x;
+        wy += weight * y;
+        wxx += weight * x * x;
+        wxy += weight * x * y;
+    }
+    const double sxx = wxx - wx * wx / w;
+    const double slope = (wxy - wx * wy / w) / sxx;
+    const double slope_variance = 1 / sxx + kLeastSlopeSd * kLeastSlopeSd;
+    const double base = kPriorSd * kPriorSd;
+    const double off = slope - kPrior;
+    const double prior_variance = base * (1 + off * off / (4 * (base + slope_variance)));
+    const double trust = prior_variance / (prior_variance + slope_variance);
+    return {std::clamp(kPrior + trust * off, 1.0, kMostExponent),
+            std::sqrt(trust * slope_variance)};
 }
 
-// The variance of ln v that the law itself does not know, by how far the exponent is from the
-// certain 1.
-double model_variance(double exponent, std::size_t octaves) {
-    const double sd = (octaves == 1 ? 0.3 : octaves == 2 ? 0.12 : 0.02) + 0.12 * (exponent - 1);
-    return sd * sd;
+// v over the difference of the last octave, and the derivative of its logarithm by the exponent.
+double level(double exponent) {
+    return 1 / (std::exp2(exponent) - 1);
+}
+double level_slope(double exponent) {
+    return std::numbers::ln2 * std::exp2(exponent) * level(exponent);
+}
+
+// Standard deviation of ln v that comes from the denominators: while there are few samples, what a
+// pixel converges to is hardly known; later, what the last doubling changed about it tells.
+double denominator_sd(std::span<const Octave> octaves) {
+    constexpr double kFewSamples = 16, kDoubtOfFew = 0.4, kShareOfGain = 0.6;
+    const double gain = octaves.size() > 1 ? octaves[octaves.size() - 2].gain : 1;
+    const double few =
+        static_cast<double>(octaves.back().samples) < kFewSamples ? kDoubtOfFew : 0.0;
+    return std::hypot(few, gain > 0 ? kShareOfGain * std::log(gain) : kDoubtOfFew);
 }
 
 }  // namespace
@@ -154,44 +194,19 @@ ConvergenceFit fit_convergence(std::span<const Octave> octaves) {
     }
     if (points.empty()) return fit;
 
-    if (points.size() == 1) {
-        fit.terms[0] = {1, kFirstShareOfOne};
-        fit.terms[1] = {1.5, 1 - kFirstShareOfOne};
-        const double both = kFirstShareOfOne * difference_of_term(1, 1) +
-                            (1 - kFirstShareOfOne) * difference_of_term(1.5, 1);
-        fit.v = points[0].value / both;
-        fit.exponent = kFirstShareOfOne + 1.5 * (1 - kFirstShareOfOne);
-        fit.exponent_sd = 0.3;
-        fit.log_v_sd = std::sqrt(2 * points[0].relative * points[0].relative +
-                                 model_variance(fit.exponent, 1));
-        return fit;
-    }
-
-    const Mixture mixture = fit_mixture(points);
-    fit.v = mixture.total();
-    for (int i = 0; i < 2; ++i) fit.terms[i] = {mixture.exponent[i], mixture.v[i] / fit.v};
-    fit.exponent = mean_exponent(mixture);
-    // Delta method: each difference moved by one standard error.
-    double v_variance = 0, exponent_variance = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const double own = octaves[octaves.size() - 1 - i].standard_error / points[i].value;
-        double v_change = 0, exponent_change = 0;
-        for (const double sign : {1.0, -1.0}) {
-            std::vector<Point> moved = points;
-            moved[i].value *= std::exp(sign * own);
-            const Mixture other = fit_mixture(moved);
-            v_change += sign * 0.5 * std::log(other.total() / fit.v);
-            exponent_change += sign * 0.5 * (mean_exponent(other) - fit.exponent);
-        }
-        v_variance += v_change * v_change;
-        exponent_variance += exponent_change * exponent_change;
-    }
-    // The true error of this one image scatters about its expectation as the difference does.
-    const double realised = octaves.back().standard_error / octaves.back().difference;
-    fit.log_v_sd =
-        std::sqrt(v_variance + realised * realised + model_variance(fit.exponent, points.size()));
-    const double drift = 0.02 + 0.15 * (fit.exponent - 1);
-    fit.exponent_sd = std::sqrt(exponent_variance + drift * drift);
+    // Two views of the same octaves, one that follows them closely and one that is steady; what is
+    // wrong with either is wrong with half the weight in their mean.
+    const PowerLaw law = fit_power(points);
+    const double steady = points[0].value * level(law.exponent);
+    const double close = points.size() > 1 ? fit_mixture(points).total() : steady;
+    fit.v = std::sqrt(steady * close);
+    fit.terms[0] = {law.exponent, 1};
+    fit.exponent = law.exponent;
+    fit.exponent_sd = std::hypot(law.standard_deviation, kExponentDrift);
+    // The difference scatters about its expectation, and so does the true error of this one image.
+    const double own = octaves.back().standard_error / octaves.back().difference;
+    const double by_exponent = level_slope(law.exponent) * law.standard_deviation;
+    fit.log_v_sd = std::hypot(std::numbers::sqrt2 * own, by_exponent, denominator_sd(octaves));
     return fit;
 }
 

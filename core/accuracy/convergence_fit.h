@@ -1,7 +1,6 @@
-// How the error of a render falls with its samples: v(N) as a sum of powers of N, fitted to the
-// differences of the last octaves. A mixture, because a real image holds smooth areas (N^-3), edges
-// (N^-3/2) and many-bounce light (N^-1) at once (Mitchell 1996); the slow parts win in the end,
-// which a single power would not foresee.
+// How the error of a render falls with its samples: v(N) from the differences of the last octaves.
+// A real image holds smooth areas (N^-3), edges (N^-3/2) and many-bounce light (N^-1) at once
+// (Mitchell 1996).
 #pragma once
 
 #include <cstdint>
@@ -16,6 +15,7 @@ struct Octave {
     double difference =
         0;  // relMSE-weighted D(2N) = mean squared difference of the images at 2N and N
     double standard_error = 0;  // of difference, from pixels
+    double gain = 1;            // of difference, when the next octave gave better denominators
 };
 
 struct ConvergenceFit {

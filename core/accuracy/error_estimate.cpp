@@ -18,7 +18,7 @@ constexpr double kNormal95 = 1.96;
 
 // The trust light. A Gaussian image has 1.3 % of its squared differences in the largest 0.1 % of
 // its pixels.
-constexpr uint64_t kTrustSamples = 8;
+constexpr uint64_t kTrustSamples = 16;
 constexpr double kAmberTopShare = 0.1;
 constexpr double kRedTopShare = 0.5;
 constexpr double kRedTailIndex = 0.7;
@@ -59,6 +59,20 @@ void set_interval(ErrorEstimate& e, double relmse, double log_sd) {
     const double factor = std::exp(0.5 * kNormal95 * log_sd);
     e.lo95 = e.relrmse_percent / factor;
     e.hi95 = e.relrmse_percent * factor;
+}
+
+// Brings the older octaves to the newest r, exactly for the last of them and by the same factor for
+// the others, so that all are weighed alike: the noise in r makes a difference look smaller, the
+// more so the earlier it was taken.
+void weigh_anew(std::vector<Octave>& octaves, const OctaveStatistics& newest) {
+    if (octaves.empty() || !(octaves.back().difference > 0) || !(newest.previous_difference > 0))
+        return;
+    const double factor = newest.previous_difference / octaves.back().difference;
+    for (Octave& o : octaves) {
+        o.difference *= factor;
+        o.standard_error *= factor;
+    }
+    octaves.back().gain = factor;
 }
 
 // d ln samples / d ln seconds, from the time that a sample costs now.
@@ -146,18 +160,18 @@ void ErrorTracker::observe(const Film& film, uint64_t passes, double render_seco
     }
     if (!std::has_single_bit(passes)) return;
     const bool doubled =
-        state_.half_samples * 2 == passes && state_.half.size() == film.pixels().size();
+        state_.half_samples * 2 == passes && state_.memory.image.size() == film.pixels().size();
     if (doubled) {
-        state_.last =
-            compare_octave(film, state_.half,
-                           metric_constant(static_cast<double>(state_.exposure_ev)), pool);
+        state_.last = compare_octave(
+            film, state_.memory, metric_constant(static_cast<double>(state_.exposure_ev)), pool);
+        weigh_anew(state_.octaves, state_.last);
         state_.octaves.push_back(
             {passes, render_seconds, state_.last.difference, state_.last.standard_error});
         state_.seconds_per_sample = std::max(0.0, render_seconds - state_.half_seconds) /
                                     static_cast<double>(passes - passes / 2);
     } else {
         // The first of all, or a gap: nothing to compare with before the next power of two.
-        state_.half = film.image(false).rgb;
+        state_.memory = {film.image(false).rgb, {}};
         state_.octaves.clear();
         state_.last = OctaveStatistics();
     }

@@ -81,7 +81,7 @@ class ErrorTracker {
         uint64_t half_samples = 0;  // the last power of two
         double half_seconds = 0;
         double seconds_per_sample = 0;
-        std::vector<Rgb> half;  // the image there
+        OctaveMemory memory;  // of the image there
         std::vector<Octave> octaves;
         OctaveStatistics last;
         std::vector<Mark> marks;  // only with a first_sample

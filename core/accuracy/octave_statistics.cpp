@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 
+#include "core/accuracy/packed_difference.h"
 #include "core/base/check.h"
 
 namespace talbot {
@@ -34,8 +35,9 @@ struct MagnitudeHistogram {
 };
 
 struct StripResult {
-    double sum = 0;         // of the pixels' weighted squared differences
-    double square_sum = 0;  // of their squares
+    double sum = 0;           // of the pixels' weighted squared differences
+    double square_sum = 0;    // of their squares
+    double previous_sum = 0;  // of the octave before, weighted with this one's r
     double luminance_change = 0;
     double luminance_square = 0;
     MagnitudeHistogram magnitudes;
@@ -68,13 +70,41 @@ void sum_neighbours(const std::vector<float>& from, std::vector<float>& padded,
     }
 }
 
+// Moments of the neighbours alone, without the pixel itself.
+struct Neighbours {
+    float mean = 0;
+    float square = 0;
+    float noise = 0;  // mean squared difference
+};
+
+// The square of what the pixel will converge to, for the denominator. Between the neighbours' mean
+// and the own value, by how much of the spread is structure and not noise (Lee 1980). A pixel that
+// stands out from its neighbours is structure as far as its own halves agree on it: so small lamps
+// keep their brightness and a single bright sample does not. `earlier` is the squared difference
+// of the octave before, which should be twice d2.
+float value_square(float value, float d2, float earlier, const Neighbours& around) {
+    const float spread = around.square - around.mean * around.mean;
+    const float deviation = value - around.mean;
+    const float own_noise = 0.5f * (d2 + 0.5f * earlier);
+    // Twice, for a squared difference of one pixel is a variance with one degree of freedom.
+    const float structure =
+        std::max({0.0f, spread - around.noise, deviation * deviation - 2 * own_noise});
+    const float sum = structure + std::max(around.noise, d2);
+    const float weight = sum > 0 ? structure / sum : 0.0f;
+    const float r = around.mean + weight * deviation;
+    // The noise that comes with the own value makes its square too large by d2, of which half is
+    // taken back: all of it would leave some pixels nothing.
+    return std::max(r * r - 0.5f * weight * weight * d2, 0.25f * r * r);
+}
+
 class StripPass {
   public:
-    StripPass(const Film& film, const std::vector<Rgb>& half, std::vector<Rgb>& full,
-              double constant)
+    StripPass(const Film& film, const OctaveMemory& before, OctaveMemory& after, double constant)
         : film_(film),
-          half_(half),
-          full_(full),
+          half_(before.image),
+          previous_(before.difference),
+          full_(after.image),
+          packed_(after.difference),
           constant_(static_cast<float>(constant)),
           ring_(kWindow, WindowRow(film.width())),
           padded_(film.width() + 2 * kRadius, 0.0f),
@@ -85,6 +115,7 @@ class StripPass {
             noise_[c].resize(film.width());
         }
         quotient_.resize(film.width());
+        previous_quotient_.resize(film.width());
     }
 
     // Rows [begin, end); block sums go to `blocks`.
@@ -115,7 +146,10 @@ class StripPass {
                 for (int c = 0; c < 3; ++c) mean[c] = static_cast<float>(p.sum[c].value() / n);
                 difference = mean - half_[start + x];
             }
-            if (keep) full_[start + x] = mean;
+            if (keep) {
+                full_[start + x] = mean;
+                packed_[start + x] = pack_difference(difference);
+            }
             for (int c = 0; c < 3; ++c) {
                 row.value[c][x] = mean[c];
                 row.difference_square[c][x] = difference[c] * difference[c];
@@ -129,10 +163,14 @@ class StripPass {
         }
     }
 
-    // quotient_[x] = sum over channels of d^2 / (r^2 + constant) for row y.
+    // quotient_[x] = sum over channels of d^2 / (r^2 + constant) for row y, and the same of the
+    // octave before.
     void weigh(uint32_t y, uint32_t first, uint32_t last) {
         const uint32_t width = film_.width();
         std::fill(quotient_.begin(), quotient_.end(), 0.0f);
+        std::fill(previous_quotient_.begin(), previous_quotient_.end(), 0.0f);
+        const uint32_t* previous =
+            previous_.empty() ? nullptr : previous_.data() + static_cast<std::size_t>(y) * width;
         for (int c = 0; c < 3; ++c) {
             std::fill(value_[c].begin(), value_[c].end(), 0.0f);
             std::fill(variance_[c].begin(), variance_[c].end(), 0.0f);
@@ -151,18 +189,20 @@ class StripPass {
                 const uint32_t columns =
                     std::min(x, kRadius) + std::min(width - 1 - x, kRadius) + 1;
                 const float others = rows * static_cast<float>(columns) - 1;
-                const float value = own.value[c][x], d2 = own.difference_square[c][x];
-                float r = value;
+                const float d2 = own.difference_square[c][x];
+                const float p = previous != nullptr ? unpack_difference(previous[x])[c] : 0;
+                Neighbours around;
                 if (others > 0) {
-                    // Moments of the neighbours alone; their spread beyond the noise is structure.
-                    const float mean = (value_[c][x] - value) / others;
-                    const float noise = std::max((noise_[c][x] - d2) / others, 0.0f);
-                    const float spread = (variance_[c][x] - value * value) / others - mean * mean;
-                    const float structure = std::max(spread - noise, 0.0f);
-                    const float sum = structure + std::max(noise, d2);
-                    r = mean + (sum > 0 ? structure / sum : 0.0f) * (value - mean);
+                    around.mean = (value_[c][x] - own.value[c][x]) / others;
+                    around.square = (variance_[c][x] - own.value[c][x] * own.value[c][x]) / others;
+                    around.noise = std::max((noise_[c][x] - d2) / others, 0.0f);
                 }
-                quotient_[x] += d2 / (r * r + constant_);
+                const float earlier = previous != nullptr ? p * p : 2 * d2;
+                const float r2 = others > 0 ? value_square(own.value[c][x], d2, earlier, around)
+                                            : own.value[c][x] * own.value[c][x];
+                const float weight = 1 / (r2 + constant_);
+                quotient_[x] += d2 * weight;
+                previous_quotient_[x] += p * p * weight;
             }
         }
     }
@@ -175,6 +215,7 @@ class StripPass {
             const float q = quotient_[x];
             const double wide = static_cast<double>(q);
             result.sum += wide;
+            result.previous_sum += static_cast<double>(previous_quotient_[x]);
             result.square_sum += wide * wide;
             result.magnitudes.add(q);
             blocks[y / kErrorBlock * columns + x / kErrorBlock] += q;
@@ -187,10 +228,12 @@ class StripPass {
 
     const Film& film_;
     const std::vector<Rgb>& half_;
+    const std::vector<uint32_t>& previous_;
     std::vector<Rgb>& full_;
+    std::vector<uint32_t>& packed_;
     float constant_;
     std::vector<WindowRow> ring_;
-    std::vector<float> padded_, square_, quotient_;
+    std::vector<float> padded_, square_, quotient_, previous_quotient_;
     std::vector<float> value_[3], variance_[3], noise_[3];
 };
 
@@ -211,22 +254,23 @@ double top_share(const MagnitudeHistogram& magnitudes, double total, std::size_t
 
 }  // namespace
 
-OctaveStatistics compare_octave(const Film& film, std::vector<Rgb>& half, double metric_constant,
+OctaveStatistics compare_octave(const Film& film, OctaveMemory& memory, double metric_constant,
                                 WorkerPool* pool) {
     OctaveStatistics statistics;
     const uint32_t width = film.width(), height = film.height();
     const std::size_t pixels = film.pixels().size();
-    TALBOT_CHECK(half.size() == pixels);
+    TALBOT_CHECK(memory.image.size() == pixels);
+    TALBOT_CHECK(memory.difference.empty() || memory.difference.size() == pixels);
     if (pixels == 0) return statistics;
     const std::size_t columns = (width + kErrorBlock - 1) / kErrorBlock;
     const std::size_t rows = (height + kErrorBlock - 1) / kErrorBlock;
     const uint32_t strips = (height + kStripRows - 1) / kStripRows;
     statistics.blocks.assign(columns * rows, 0);
-    std::vector<Rgb> full(pixels);
+    OctaveMemory now{std::vector<Rgb>(pixels), std::vector<uint32_t>(pixels)};
     std::vector<StripResult> results(strips);
     const auto run = [&](uint64_t strip, unsigned) {
         const uint32_t begin = static_cast<uint32_t>(strip) * kStripRows;
-        StripPass pass(film, half, full, metric_constant);
+        StripPass pass(film, memory, now, metric_constant);
         results[strip] = pass.run(begin, std::min(begin + kStripRows, height), statistics.blocks);
     };
     if (pool != nullptr) {
@@ -237,6 +281,7 @@ OctaveStatistics compare_octave(const Film& film, std::vector<Rgb>& half, double
     StripResult total;
     for (const StripResult& r : results) {
         total.sum += r.sum;
+        total.previous_sum += r.previous_sum;
         total.square_sum += r.square_sum;
         total.luminance_change += r.luminance_change;
         total.luminance_square += r.luminance_square;
@@ -245,10 +290,11 @@ OctaveStatistics compare_octave(const Film& film, std::vector<Rgb>& half, double
             total.magnitudes.sum[i] += r.magnitudes.sum[i];
         }
     }
-    half = std::move(full);
+    memory = std::move(now);
 
     const double n = 3 * static_cast<double>(pixels);
     statistics.difference = total.sum / n;
+    statistics.previous_difference = total.previous_sum / n;
     // var q = E q^2 - (E q)^2 of each pixel; a Gaussian difference has E q^2 = 3 (E q)^2.
     constexpr double kVarianceOfSquare = 2.0 / 3;
     statistics.standard_error = std::sqrt(kVarianceOfSquare * total.square_sum) / n;

@@ -14,7 +14,10 @@ namespace talbot {
 inline constexpr uint32_t kErrorBlock = 8;  // side of a block in pixels
 
 struct OctaveStatistics {
-    double difference = 0;      // mean over pixels and channels of d^2 / (r^2 + constant)
+    double difference = 0;  // mean over pixels and channels of d^2 / (r^2 + constant)
+    // The octave before, with the r of this one; over what it said itself, this shows how far the
+    // noise in r still moves the figures.
+    double previous_difference = 0;
     double standard_error = 0;  // of difference, for pixels that are independent of each other
     double top_share = 0;       // of the difference, held by the 0.1 % of pixels with the largest
     double tail_index =
@@ -23,11 +26,17 @@ struct OctaveStatistics {
     std::vector<float> blocks;  // difference of every block, row by row
 };
 
-// Compares the film with `half`, its image at half the samples, and replaces half by the film's
-// image. r is estimated from the 7x7 neighbours and, as far as their spread exceeds the noise, from
-// the pixel itself (Lee 1980); the pixel's own noise never enters its own denominator unopposed.
-// Same bytes with any pool.
-OctaveStatistics compare_octave(const Film& film, std::vector<Rgb>& half, double metric_constant,
+// What is kept of a render between two octaves: 16 bytes a pixel.
+struct OctaveMemory {
+    std::vector<Rgb> image;            // at the last power of two
+    std::vector<uint32_t> difference;  // to the one before, packed; empty where there is none
+};
+
+// Compares the film with memory.image, its image at half the samples, and brings memory up to date.
+// r is estimated from the 7x7 neighbours and, as far as their spread exceeds the noise, from the
+// pixel itself (Lee 1980); the pixel's own noise never enters its own denominator unopposed. Same
+// bytes with any pool.
+OctaveStatistics compare_octave(const Film& film, OctaveMemory& memory, double metric_constant,
                                 WorkerPool* pool = nullptr);
 
 // Shape k of a generalised Pareto distribution fitted to the excesses of the largest values (Zhang,

@@ -6,6 +6,8 @@
 #include "core/film/tone_map.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 #include "core/math/robust.h"
@@ -77,6 +79,47 @@ uint8_t to_byte(float value) {
     return static_cast<uint8_t>(std::lround(255.0f * clamp01(value)));
 }
 
+// to_byte(srgb_from_linear(x)) for x in [0, 1] without a power: by the values at which it steps,
+// found by bisection over all floats, and a table over the leading bits of x that says how many
+// steps lie below. Between two entries there is one step at most: entries are 2^-8 apart in
+// relation to x, steps 2.2 / 255.
+class SrgbSteps {
+  public:
+    SrgbSteps() {
+        for (uint32_t byte = 1; byte < 256; ++byte) {
+            uint32_t below = 0;
+            uint32_t above = std::bit_cast<uint32_t>(1.0f);
+            while (above - below > 1) {
+                const uint32_t middle = below + (above - below) / 2;
+                const bool reached =
+                    to_byte(srgb_from_linear(std::bit_cast<float>(middle))) >= byte;
+                (reached ? above : below) = middle;
+            }
+            next_[byte - 1] = std::bit_cast<float>(above);
+        }
+        next_[255] = kInfinity;
+        for (uint32_t i = 0; i < kEntries; ++i) {
+            const float lowest = std::bit_cast<float>(kFirstBits + (i << kShift));
+            byte_[i] = static_cast<uint8_t>(std::upper_bound(next_.begin(), next_.end(), lowest) -
+                                            next_.begin());
+        }
+    }
+    uint8_t operator()(float linear) const {
+        if (linear < kFirst) return 0;
+        const uint8_t byte = byte_[(std::bit_cast<uint32_t>(linear) - kFirstBits) >> kShift];
+        return static_cast<uint8_t>(byte + (linear >= next_[byte] ? 1 : 0));
+    }
+
+  private:
+    static constexpr float kFirst = 0x1p-13f;  // below it all is 0
+    static constexpr uint32_t kFirstBits = std::bit_cast<uint32_t>(kFirst);
+    static constexpr uint32_t kShift = 15;
+    static constexpr uint32_t kEntries =
+        ((std::bit_cast<uint32_t>(1.0f) - kFirstBits) >> kShift) + 1;
+    std::array<float, 256> next_{};  // where each byte ends
+    std::array<uint8_t, kEntries> byte_{};
+};
+
 // The exposed value that the chosen channel shows, before the tone curve.
 Rgb select_channel(DisplayChannel channel, const Rgb& exposed) {
     switch (channel) {
@@ -137,6 +180,7 @@ float linear_from_srgb(float encoded) {
 ImageBytes develop(const ImageRgba& image, const DisplaySettings& display) {
     const bool straight_alpha = !image.alpha.empty() && display.channel == DisplayChannel::color;
     const float scale = std::exp2(display.exposure_ev);
+    static const SrgbSteps encode;
     ImageBytes out;
     out.width = image.width;
     out.height = image.height;
@@ -153,7 +197,7 @@ ImageBytes develop(const ImageRgba& image, const DisplaySettings& display) {
         if (straight_alpha) exposed = alpha > 0 ? exposed / alpha : Rgb(0);
         const Rgb mapped =
             apply_tone_map(display.tone_map, select_channel(display.channel, exposed));
-        for (int c = 0; c < 3; ++c) pixel[c] = to_byte(srgb_from_linear(mapped[c]));
+        for (int c = 0; c < 3; ++c) pixel[c] = encode(mapped[c]);
         if (straight_alpha) pixel[3] = to_byte(alpha);
     }
     return out;

@@ -2,14 +2,10 @@
 // normal map.
 #pragma once
 
+#include "core/integrate/extension_eval.h"
 #include "core/integrate/surface_interaction.h"
 
 namespace talbot {
-
-inline Vec4f eval_slot(const Scene& scene, const TextureSlot& slot, const SurfaceInteraction& si,
-                       TextureEncoding encoding) {
-    return eval_texture(scene.textures()[slot.texture], slot.apply(si.uv[slot.uv_set]), encoding);
-}
 
 // Base colour and alpha.
 template <EffectSet kTier>
@@ -59,32 +55,45 @@ ShadingParams eval_shading_params(const Scene& scene, const Material& material,
             params.transmission *=
                 eval_slot(scene, material.transmission_texture, si, TextureEncoding::linear).x;
         }
+    }
+    if constexpr (kTier.has(Effect::transmission) || kTier.has(Effect::diffuse_transmission)) {
         params.thin = !(material.thickness_factor > 0);
+    }
+    if constexpr (kTier.has(Effect::clearcoat)) {
+        if (material.clearcoat_factor > 0) eval_clearcoat(scene, material, si, params);
+    }
+    if constexpr (kTier.has(Effect::sheen)) {
+        if (material.has_sheen()) eval_sheen(scene, material, si, params);
+    }
+    if constexpr (kTier.has(Effect::diffuse_transmission)) {
+        if (material.diffuse_transmission_factor > 0)
+            eval_diffuse_transmission(scene, material, si, params);
+    }
+    if constexpr (kTier.has(Effect::anisotropy)) {
+        if (material.anisotropy_strength > 0) eval_anisotropy(scene, material, si, params);
+    }
+    if constexpr (kTier.has(Effect::iridescence)) {
+        if (material.iridescence_factor > 0) eval_iridescence(scene, material, si, params);
     }
     return params;
 }
 
-// Turns the shading frame by the normal map. A flat texel leaves it untouched.
+// Turns the shading frame by the normal map, and before that notes the clear coat's own normal. A
+// flat texel leaves the frame untouched.
 template <EffectSet kTier>
 void apply_normal_map(const Scene& scene, const Material& material, SurfaceInteraction& si) {
+    if constexpr (kTier.has(Effect::clearcoat)) {
+        si.coat_normal = si.shading.n;
+        if (material.clearcoat_factor > 0 && material.clearcoat_normal_texture.used()) {
+            mapped_normal(scene, material.clearcoat_normal_texture, material.clearcoat_normal_scale,
+                          si, si.coat_normal);
+        }
+    }
     if constexpr (kTier.has(Effect::normal_map)) {
         if (!material.normal_texture.used()) return;
-        const Vec4f texel = eval_slot(scene, material.normal_texture, si, TextureEncoding::linear);
-        // 8-bit maps store the flat direction as 127 or 128 of 255: both mean zero.
-        const auto decode = [](float x) {
-            const float s = 2 * x - 1;
-            return std::abs(s) <= kNormalMapStep ? 0.0f : s;
-        };
-        const float x = decode(texel.x) * material.normal_scale;
-        const float y = decode(texel.y) * material.normal_scale * si.tangent_sign;
-        const float z = 2 * texel.z - 1;
-        if (x == 0 && y == 0) return;
-        Frame map = si.shading;
-        if (si.tangent != Vec3f(0)) {
-            map.t = si.tangent;
-            map.b = cross(map.n, map.t);
-        }
-        si.shading = Frame::from_normal(safe_normalize(map.to_world(Vec3f(x, y, z)), si.shading.n));
+        Vec3f n(0);
+        if (mapped_normal(scene, material.normal_texture, material.normal_scale, si, n))
+            si.shading = Frame::from_normal(n);
     }
 }
 

@@ -10,6 +10,7 @@
 #include "core/integrate/pixel_filter.h"
 #include "core/integrate/sampler.h"
 #include "core/scattering/bsdf.h"
+#include "core/scattering/dispersion.h"
 
 namespace talbot {
 
@@ -37,6 +38,8 @@ struct PathState {
         true;  // the last event was the camera or a delta lobe: no other strategy finds its light
     bool specular_chain = true;  // nothing but delta events since the camera
     Vec3f from{0};               // the last vertex
+    Vec3f n_from{0};             // its normal as light sampling was given it
+    float wavelength = 0;        // nanometres; 0 until a dispersive surface is met
     Rgb sigma_a{0};              // absorption of the medium that the ray crosses
 };
 
@@ -82,14 +85,16 @@ inline void add_environment(const RenderScene& rs, const PathSettings& settings,
 }
 
 // Light that the surface itself sends back along the ray.
-inline void add_emission(const RenderScene& rs, const PathSettings& settings,
+inline void add_emission(const RenderScene& rs, const PathSettings& settings, const Ray& ray,
                          const Material& material, const SurfaceInteraction& si, PathState& path) {
     if (!material.is_emissive()) return;
-    const Rgb Le = emitted_radiance(rs.scene(), material, si.uv[0], si.uv[1], si.front);
+    const Rgb Le = emitted_radiance(rs.scene(), material, si.uv[0], si.uv[1], si.front,
+                                    std::abs(dot(ray.d, si.n_geometric)));
     if (is_black(Le)) return;
     float weight = 1;
     if (!path.specular && settings.next_event_estimation) {
-        weight = power_heuristic(path.bsdf_pdf, rs.lights().pdf_surface(path.from, si.id, si.p));
+        weight = power_heuristic(path.bsdf_pdf,
+                                 rs.lights().pdf_surface(path.from, path.n_from, si.id, si.p));
     }
     path.Li += path.beta * weight * Le;
 }
@@ -97,10 +102,10 @@ inline void add_emission(const RenderScene& rs, const PathSettings& settings,
 // Next-event estimation: one light, one shadow ray.
 template <EffectSet kTier>
 void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
-                      const Bounce& numbers, const SurfaceInteraction& si, const Bsdf<kTier>& bsdf,
-                      PathState& path, uint32_t& rays) {
+                      const Bounce& numbers, const SurfaceInteraction& si, const Vec3f& n_lit,
+                      const Bsdf<kTier>& bsdf, PathState& path, uint32_t& rays) {
     const std::optional<LightSample> light =
-        rs.lights().sample(rs.scene(), si.p, numbers.light_choice(), numbers.light());
+        rs.lights().sample(rs.scene(), si.p, n_lit, numbers.light_choice(), numbers.light());
     if (!light || is_black(light->radiance)) return;
     const BsdfEval f = bsdf.eval(light->wi);
     if (is_black(f.f_cos)) return;
@@ -110,6 +115,18 @@ void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bo
     if (is_occluded<kTier>(rs, sampler, bounce, shadow)) return;
     const float weight = light->delta ? 1.0f : power_heuristic(light->pdf, f.pdf);
     path.Li += path.beta * f.f_cos * light->radiance * (weight / light->pdf);
+}
+
+// The index at the path's wavelength, which is drawn here if the path has none yet.
+inline void disperse(const Sampler& sampler, const Material& material, ShadingParams& params,
+                     PathState& path) {
+    if (path.wavelength == 0) {
+        const WavelengthSample hero = sample_wavelength(sampler.single(Purpose::wavelength));
+        path.wavelength = hero.nanometres;
+        path.beta *= hero.weight;
+    }
+    if (params.ior > 1)
+        params.ior = dispersed_ior(params.ior, material.dispersion, path.wavelength);
 }
 
 template <EffectSet kTier, typename Recorder>
@@ -145,12 +162,16 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
                 break;
             }
         }
-        add_emission(rs, settings, material, si, path);
+        add_emission(rs, settings, ray, material, si, path);
         if (bounce == settings.max_depth) break;
 
         // The surface: everything below sees it from wo's side.
         apply_normal_map<kTier>(rs.scene(), material, si);
-        const ShadingParams params = eval_shading_params<kTier>(rs.scene(), material, si);
+        ShadingParams params = eval_shading_params<kTier>(rs.scene(), material, si);
+        if constexpr (kTier.has(Effect::dispersion)) {
+            if (material.dispersion > 0 && params.transmission > 0 && !params.thin)
+                disperse(sampler, material, params, path);
+        }
         const float side = si.front ? 1.0f : -1.0f;
         Frame frame = si.shading;
         if (!si.front) {
@@ -160,8 +181,10 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         const Bsdf<kTier> bsdf(params, frame, side * si.n_geometric, -ray.d,
                                si.front || params.thin);
         const Bounce numbers = sampler.bounce(bounce);
+        const Vec3f n_lit = is_lit_through(params) ? Vec3f(0) : side * si.n_geometric;
         if (settings.next_event_estimation && bsdf.has_smooth_lobe() && rs.lights().can_sample()) {
-            add_direct_light<kTier>(rs, sampler, bounce, numbers, si, bsdf, path, result.rays);
+            add_direct_light<kTier>(rs, sampler, bounce, numbers, si, n_lit, bsdf, path,
+                                    result.rays);
         }
 
         // Where the path goes on.
@@ -179,7 +202,8 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         path.specular = scattered->delta;
         path.specular_chain = path.specular_chain && scattered->delta;
         path.from = si.p;
-        if constexpr (kTier.has(Effect::transmission)) {
+        path.n_from = n_lit;
+        if constexpr (kTier.has(Effect::transmission) || kTier.has(Effect::diffuse_transmission)) {
             path.eta_scale *= scattered->eta * scattered->eta;
             if (scattered->transmitted && !params.thin)
                 path.sigma_a = si.front ? absorption(material) : Rgb(0);

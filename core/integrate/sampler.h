@@ -22,7 +22,7 @@ namespace talbot {
 
 // Dimension pairs, of which some purposes use only the first number. Camera pairs come first, then
 // kPairsPerBounce for each vertex of the path.
-enum class Purpose : uint32_t { pixel = 0, lens = 1, bounce = 2 };
+enum class Purpose : uint32_t { pixel = 0, lens = 1, bounce = 2, wavelength = 0xFFFFFFFFu };
 inline constexpr uint32_t kPairsPerBounce = 5;
 enum class BouncePair : uint32_t { light = 0, bsdf = 1, light_choice = 2, lobe = 3, roulette = 4 };
 
@@ -87,6 +87,7 @@ class Sampler {
     }
 
     Vec2f pair(Purpose purpose) const { return pair(static_cast<uint32_t>(purpose)); }
+    float single(Purpose purpose) const { return single(static_cast<uint32_t>(purpose)); }
     Vec2f pair(uint32_t bounce, BouncePair which) const { return pair(bounce_pair(bounce, which)); }
     float single(uint32_t bounce, BouncePair which) const {
         return single(bounce_pair(bounce, which));

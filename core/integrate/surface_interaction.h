@@ -21,6 +21,7 @@ struct SurfaceInteraction {
     Vec3f p_error{0};            // per axis, >= 0
     Vec3f n_geometric{0, 0, 1};  // unit; on the side that the winding calls front
     Frame shading{};             // n on n_geometric's side; any tangent, the same in every tier
+    Vec3f coat_normal{0, 0, 1};  // of the clear coat, on n_geometric's side
     Vec3f tangent{0};            // unit, along the texture's u, for normal maps; zero where unknown
     Vec2f uv[2]{Vec2f(0), Vec2f(0)};
     Vec4f color{1};  // vertex colour

@@ -24,17 +24,22 @@ inline constexpr EffectSet kTexturedTier = kGlossyTier | Effect::base_color_text
                                            Effect::metallic_roughness_texture | Effect::normal_map |
                                            Effect::emissive_texture | Effect::vertex_color |
                                            Effect::second_uv | Effect::uv_transform;
-// Everything.
+// + coverage, transmission, volumes and unlit surfaces.
+inline constexpr EffectSet kTransmissiveTier =
+    kTexturedTier | Effect::alpha_mask | Effect::alpha_blend | Effect::transmission |
+    Effect::thin_wall | Effect::volume_absorption | Effect::unlit;
+// Everything: + the layers and lobes of the material extensions.
 inline constexpr EffectSet kFullTier = EffectSet::all();
 
 struct TierInfo {
     EffectSet effects;
     std::string_view name;
 };
-inline constexpr std::array<TierInfo, 4> kTiers{{
+inline constexpr std::array<TierInfo, 5> kTiers{{
     {kMatteTier, "matte"},
     {kGlossyTier, "glossy"},
     {kTexturedTier, "textured"},
+    {kTransmissiveTier, "transmissive"},
     {kFullTier, "full"},
 }};
 static_assert(kTiers.back().effects == EffectSet::all(), "the last tier covers every scene");

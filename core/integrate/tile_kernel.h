@@ -29,6 +29,7 @@ void render_tile(const TileJob& job, const std::stop_token& stop, TileCounts& co
 void render_tile_matte(const TileJob& job, const std::stop_token& stop, TileCounts& counts);
 void render_tile_glossy(const TileJob& job, const std::stop_token& stop, TileCounts& counts);
 void render_tile_textured(const TileJob& job, const std::stop_token& stop, TileCounts& counts);
+void render_tile_transmissive(const TileJob& job, const std::stop_token& stop, TileCounts& counts);
 void render_tile_full(const TileJob& job, const std::stop_token& stop, TileCounts& counts);
 
 }  // namespace talbot

@@ -44,6 +44,20 @@ class FileDescriptor {
     int fd_;
 };
 
+// Where a write to `file` ends up: links are followed, so that the link stays one; what is no
+// regular file, or may not be written, is refused rather than replaced.
+Result<std::filesystem::path> write_target(const std::filesystem::path& file) {
+    std::error_code code;
+    std::filesystem::path target = file;
+    if (std::filesystem::is_symlink(file, code)) target = std::filesystem::weakly_canonical(file);
+    struct stat about {};
+    if (::stat(target.c_str(), &about) != 0) return target;
+    if (!S_ISREG(about.st_mode))
+        return Error{ErrorKind::cannot_write, file.string(), "", "is not a regular file"};
+    if (::access(target.c_str(), W_OK) != 0) return cannot_write(file);
+    return target;
+}
+
 bool write_all(int fd, std::span<const uint8_t> bytes) {
     while (!bytes.empty()) {
         const ssize_t n = ::write(fd, bytes.data(), bytes.size());
@@ -82,14 +96,30 @@ Result<std::vector<uint8_t>> read_file(const std::filesystem::path& file, uint64
     return bytes;
 }
 
+Status check_writable(const std::filesystem::path& file) {
+    const Result<std::filesystem::path> target = write_target(file);
+    if (!target) return target.error();
+    std::filesystem::path folder = target->parent_path();
+    if (folder.empty()) folder = ".";
+    std::error_code code;
+    if (!std::filesystem::is_directory(folder, code)) {
+        return Error{ErrorKind::cannot_write, file.string(), "",
+                     "the folder '" + folder.string() + "' does not exist"};
+    }
+    if (::access(folder.c_str(), W_OK) != 0) return cannot_write(file);
+    return Done{};
+}
+
 Status write_file_atomically(const std::filesystem::path& file, std::span<const uint8_t> bytes) {
     static std::atomic<unsigned> counter{0};
-    std::filesystem::path temporary = file;
+    const Result<std::filesystem::path> target = write_target(file);
+    if (!target) return target.error();
+    std::filesystem::path temporary = *target;
     temporary += ".part" + std::to_string(::getpid()) + "." + std::to_string(counter.fetch_add(1));
     FileDescriptor out(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
     if (out.get() < 0) return cannot_write(file);
     if (!write_all(out.get(), bytes) || !out.close() ||
-        ::rename(temporary.c_str(), file.c_str()) != 0) {
+        ::rename(temporary.c_str(), target->c_str()) != 0) {
         const Error error = cannot_write(file);
         ::unlink(temporary.c_str());
         return error;

@@ -146,7 +146,7 @@ json header_of(const Film& film, const FilmMetadata& m, const ErrorTracker::Stat
     if (bad.has_first) header["nonfinite"]["first"] = {bad.first_x, bad.first_y, bad.first_sample};
     json octaves = json::array(), marks = json::array();
     for (const Octave& o : e.octaves)
-        octaves.push_back({o.samples, o.seconds, o.difference, o.standard_error});
+        octaves.push_back({o.samples, o.seconds, o.difference, o.standard_error, o.gain});
     for (const ErrorTracker::Mark& mark : e.marks) marks.push_back({mark.samples, mark.seconds});
     header["error"] = {
         {"exposure_ev", e.exposure_ev},
@@ -157,17 +157,25 @@ json header_of(const Film& film, const FilmMetadata& m, const ErrorTracker::Stat
         {"octaves", octaves},
         {"marks", marks},
         {"last",
-         {e.last.difference, e.last.standard_error, e.last.top_share, e.last.tail_index,
-          e.last.energy_drift}},
-        {"half_pixels", e.half.size()},
+         {e.last.difference, e.last.previous_difference, e.last.standard_error, e.last.top_share,
+          e.last.tail_index, e.last.energy_drift}},
+        {"half_pixels", e.memory.image.size()},
+        {"difference_pixels", e.memory.difference.size()},
         {"blocks", e.last.blocks.size()},
     };
     return header;
 }
 
+// Lengths of the tables that follow the film.
+struct TableSizes {
+    std::size_t half = 0;
+    std::size_t differences = 0;
+    std::size_t blocks = 0;
+};
+
 // Fills everything but the tables; throws json::exception on anything that is missing or of another
 // type.
-void read_header(const json& header, FilmFile& file, std::size_t& half, std::size_t& blocks) {
+void read_header(const json& header, FilmFile& file, TableSizes& tables) {
     const json& size = header.at("size");
     const uint32_t width = size.at(0).get<uint32_t>(), height = size.at(1).get<uint32_t>();
     FilmMetadata& m = file.metadata;
@@ -198,18 +206,20 @@ void read_header(const json& header, FilmFile& file, std::size_t& half, std::siz
     e.seconds_per_sample = error.at("seconds_per_sample").get<double>();
     for (const json& o : error.at("octaves")) {
         e.octaves.push_back({o.at(0).get<uint64_t>(), o.at(1).get<double>(), o.at(2).get<double>(),
-                             o.at(3).get<double>()});
+                             o.at(3).get<double>(), o.at(4).get<double>()});
     }
     for (const json& mark : error.at("marks"))
         e.marks.push_back({mark.at(0).get<uint64_t>(), mark.at(1).get<double>(), Film()});
     const json& last = error.at("last");
     e.last.difference = last.at(0).get<double>();
-    e.last.standard_error = last.at(1).get<double>();
-    e.last.top_share = last.at(2).get<double>();
-    e.last.tail_index = last.at(3).get<double>();
-    e.last.energy_drift = last.at(4).get<double>();
-    half = error.at("half_pixels").get<std::size_t>();
-    blocks = error.at("blocks").get<std::size_t>();
+    e.last.previous_difference = last.at(1).get<double>();
+    e.last.standard_error = last.at(2).get<double>();
+    e.last.top_share = last.at(3).get<double>();
+    e.last.tail_index = last.at(4).get<double>();
+    e.last.energy_drift = last.at(5).get<double>();
+    tables.half = error.at("half_pixels").get<std::size_t>();
+    tables.differences = error.at("difference_pixels").get<std::size_t>();
+    tables.blocks = error.at("blocks").get<std::size_t>();
     // The tables are sized by the caller, once the file is known to hold them.
     file.film = Film();
     if (uint64_t{width} * height > kMaxPixels || e.marks.size() > kMaxMarks)
@@ -260,6 +270,7 @@ std::vector<ErrorTracker::Mark> marks_after(const FilmFile& whole, const FilmFil
 
 Status save_film(const std::filesystem::path& path, const Film& film, const FilmMetadata& metadata,
                  const ErrorTracker::State& error) {
+    if (Status status = check_writable(path); !status) return status;
     const std::string header =
         header_of(film, metadata, error).dump(-1, ' ', false, json::error_handler_t::replace);
     if (header.size() > kMaxHeaderBytes) return unwritable(path, "its settings are too long");
@@ -277,7 +288,8 @@ Status save_film(const std::filesystem::path& path, const Film& film, const Film
     put(bytes_of(prefix));
     put({reinterpret_cast<const uint8_t*>(header.data()), header.size()});
     put(bytes_of(film.pixels()));
-    put(bytes_of(error.half));
+    put(bytes_of(error.memory.image));
+    put(bytes_of(error.memory.difference));
     put(bytes_of(error.last.blocks));
     for (const ErrorTracker::Mark& mark : error.marks) put(bytes_of(mark.film.pixels()));
     file.write(hash.digest());
@@ -309,22 +321,23 @@ Result<FilmFile> load_film(const std::filesystem::path& path) {
     FilmFile file;
     uint64_t pixels = 0;
     uint32_t size[2] = {0, 0};
-    std::size_t half = 0, blocks = 0;
+    TableSizes tables;
     try {
         const char* text = reinterpret_cast<const char*>(bytes.data() + kPrefixBytes);
         const json header = json::parse(text, text + header_bytes);
         size[0] = header.at("size").at(0).get<uint32_t>();
         size[1] = header.at("size").at(1).get<uint32_t>();
         pixels = uint64_t{size[0]} * size[1];
-        read_header(header, file, half, blocks);
+        read_header(header, file, tables);
     } catch (const json::exception&) {
         return unreadable(path, "is truncated or altered (its header cannot be read)");
     }
     const uint64_t payload = body.size() - kPrefixBytes - header_bytes;
     const uint64_t films = 1 + file.error.marks.size();
     const bool fits =
-        half <= pixels && blocks <= pixels &&
-        payload == films * pixels * sizeof(FilmPixel) + half * sizeof(Rgb) + blocks * sizeof(float);
+        tables.half <= pixels && tables.differences <= pixels && tables.blocks <= pixels &&
+        payload == films * pixels * sizeof(FilmPixel) + tables.half * sizeof(Rgb) +
+                       tables.differences * sizeof(uint32_t) + tables.blocks * sizeof(float);
     if (!fits) return unreadable(path, "is truncated or altered (its length does not fit)");
     Sha256 hash;
     hash.add(body);
@@ -333,10 +346,12 @@ Result<FilmFile> load_film(const std::filesystem::path& path) {
 
     PayloadReader reader(body.subspan(kPrefixBytes + header_bytes));
     file.film = Film(size[0], size[1]);
-    file.error.half.resize(half);
-    file.error.last.blocks.resize(blocks);
+    file.error.memory.image.resize(tables.half);
+    file.error.memory.difference.resize(tables.differences);
+    file.error.last.blocks.resize(tables.blocks);
     reader.take(file.film.pixels());
-    reader.take(file.error.half);
+    reader.take(file.error.memory.image);
+    reader.take(file.error.memory.difference);
     reader.take(file.error.last.blocks);
     for (ErrorTracker::Mark& mark : file.error.marks) {
         mark.film = Film(size[0], size[1]);

@@ -1,8 +1,8 @@
 // Raw film files: the exact sums of a render or of a part of it, with what the error estimate
 // knows, to be resumed and merged. Little-endian: "TALBOTFM", u32 version, u32 length of a JSON
 // header, the header, film pixels (64 bytes each: three 128-bit sums with 56 fraction bits,
-// samples, covered), the half image (3 floats a pixel), block differences, the marks' films, and
-// the SHA-256 of all that.
+// samples, covered), the image and the packed differences of the last power of two, block
+// differences, the marks' films, and the SHA-256 of all that.
 #pragma once
 
 #include <cstdint>

@@ -98,9 +98,17 @@ class GltfLoader {
         wanted.primitive = primitive;
         wanted.material = material_of(model_.meshes[mesh].primitives[primitive]);
         wanted.uv_sets = tables_.uv_sets[wanted.material];
-        const TextureSlot& normal = loading_.desc.materials[wanted.material].normal_texture;
-        wanted.wants_tangents = normal.used();
-        wanted.tangent_uv_set = normal.uv_set;
+        // Tangents follow the first map that needs them.
+        const Material& material = loading_.desc.materials[wanted.material];
+        const bool anisotropic = material.anisotropy_strength > 0;
+        wanted.wants_tangents = anisotropic;
+        for (const TextureSlot* slot :
+             {&material.anisotropy_texture, &material.clearcoat_normal_texture,
+              &material.normal_texture}) {
+            if (!slot->used()) continue;
+            wanted.wants_tangents = true;
+            wanted.tangent_uv_set = slot->uv_set;
+        }
         return wanted;
     }
 

@@ -19,18 +19,25 @@ struct ImageSize {
     uint64_t height = 0;
 };
 
-enum class ImageFormat { unknown, png, jpeg, hdr, exr, pfm };
+enum class ImageFormat { unknown, png, jpeg, webp, ktx2, hdr, exr, pfm };
 
 // By the first bytes, never by the file's name.
 ImageFormat image_format(std::span<const uint8_t> bytes);
 
-// PNG and JPEG only; the numbers are what the header says, unchecked.
+// The 8-bit formats only; the numbers are what the header says, unchecked.
 Result<ImageSize> image8_size(std::span<const uint8_t> bytes, const std::string& name);
 
 Result<Image8> decode_png(std::span<const uint8_t> bytes, const std::string& name,
                           uint64_t max_texels);
 Result<Image8> decode_jpeg(std::span<const uint8_t> bytes, const std::string& name,
                            uint64_t max_texels);
+Result<Image8> decode_webp(std::span<const uint8_t> bytes, const std::string& name,
+                           uint64_t max_texels);
+Result<ImageSize> webp_size(std::span<const uint8_t> bytes, const std::string& name);
+// Mip level `level` of a texture in ETC1S or UASTC; the size is that of level 0.
+Result<Image8> decode_ktx2(std::span<const uint8_t> bytes, const std::string& name,
+                           uint64_t max_texels, uint32_t level = 0);
+Result<ImageSize> ktx2_size(std::span<const uint8_t> bytes, const std::string& name);
 Result<ImageRgba> decode_hdr(std::span<const uint8_t> bytes, const std::string& name);
 Result<ImageRgba> decode_pfm(std::span<const uint8_t> bytes, const std::string& name);
 Result<ImageRgba> decode_exr(std::span<const uint8_t> bytes, const std::string& name);

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "core/io/image_codecs.h"
+#include "core/io/ktx2/container.h"
 #include "core/math/robust.h"
 
 namespace talbot {
@@ -51,6 +52,10 @@ Result<ImageSize> jpeg_size(std::span<const uint8_t> bytes, const std::string& n
 ImageFormat image_format(std::span<const uint8_t> bytes) {
     if (starts_with(bytes, "\x89PNG\r\n\x1A\n")) return ImageFormat::png;
     if (starts_with(bytes, "\xFF\xD8\xFF")) return ImageFormat::jpeg;
+    if (starts_with(bytes, "RIFF") &&
+        starts_with(bytes.subspan(std::min<size_t>(8, bytes.size())), "WEBP"))
+        return ImageFormat::webp;
+    if (ktx2::is_ktx2(bytes)) return ImageFormat::ktx2;
     if (starts_with(bytes, "#?")) return ImageFormat::hdr;
     if (starts_with(bytes, "\x76\x2F\x31\x01")) return ImageFormat::exr;
     if (starts_with(bytes, "PF") || starts_with(bytes, "Pf")) return ImageFormat::pfm;
@@ -80,8 +85,12 @@ Result<ImageSize> image8_size(std::span<const uint8_t> bytes, const std::string&
             return ImageSize{big_endian(bytes, 16, 4), big_endian(bytes, 20, 4)};
         case ImageFormat::jpeg:
             return jpeg_size(bytes, name);
+        case ImageFormat::webp:
+            return webp_size(bytes, name);
+        case ImageFormat::ktx2:
+            return ktx2_size(bytes, name);
         default:
-            return image_error(name, "is neither PNG nor JPEG");
+            return image_error(name, "is none of PNG, JPEG, WebP and KTX2");
     }
 }
 
@@ -92,8 +101,13 @@ Result<Image8> decode_image8(std::span<const uint8_t> bytes, const std::string& 
             return decode_png(bytes, name, max_texels);
         case ImageFormat::jpeg:
             return decode_jpeg(bytes, name, max_texels);
+        case ImageFormat::webp:
+            return decode_webp(bytes, name, max_texels);
+        case ImageFormat::ktx2:
+            return decode_ktx2(bytes, name, max_texels);
         default:
-            return image_error(name, bytes.empty() ? "is empty" : "is neither PNG nor JPEG");
+            return image_error(name,
+                               bytes.empty() ? "is empty" : "is none of PNG, JPEG, WebP and KTX2");
     }
 }
 

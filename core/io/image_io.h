@@ -14,7 +14,7 @@
 
 namespace talbot {
 
-// Decodes PNG or JPEG (by content) to RGBA8; 16-bit PNG is rounded. `name` is only for messages. Refuses images whose header
+// Decodes PNG, JPEG, WebP or KTX2 (by content) to RGBA8; 16-bit PNG is rounded. `name` is only for messages. Refuses images whose header
 // declares more than max_texels.
 Result<Image8> decode_image8(std::span<const uint8_t> bytes, const std::string& name, uint64_t max_texels = 1ull << 28);
 
@@ -33,6 +33,10 @@ Status save_exr(const std::filesystem::path& file, const ImageRgba& image, const
                 const Metadata& metadata = {});
 Status save_hdr(const std::filesystem::path& file, const ImageRgba& image);
 Status save_pfm(const std::filesystem::path& file, const ImageRgba& image);
+
+// Refuses a file that could not be written: no such folder, no permission, or something there that
+// is no regular file.
+Status check_writable(const std::filesystem::path& file);
 
 // Writes bytes to a temporary file beside `file`, then renames it.
 Status write_file_atomically(const std::filesystem::path& file, std::span<const uint8_t> bytes);

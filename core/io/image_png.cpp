@@ -1,6 +1,7 @@
 // PNG through libpng: everything that PNG can hold is read to RGBA8; 8-bit RGB(A) is written with
 // fixed settings and no time.
 #include <png.h>
+#include <zlib.h>
 
 #include <csetjmp>
 #include <cstring>
@@ -120,6 +121,7 @@ class PngWriter {
         png_set_sRGB(png_, info_, PNG_sRGB_INTENT_PERCEPTUAL);
         // Renders are noisy: more effort costs several times the time for a few per cent of size.
         png_set_compression_level(png_, 1);
+        png_set_compression_strategy(png_, Z_RLE);
         png_set_filter(png_, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
         if (!texts.empty()) png_set_text(png_, info_, texts.data(), static_cast<int>(texts.size()));
         png_write_info(png_, info_);

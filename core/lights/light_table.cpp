@@ -44,16 +44,58 @@ double punctual_power(const PunctualLight& light, double scene_radius) {
     return 0;
 }
 
+// Power is that relative to all lights; 0 for lights without a place.
+LightBounds bounds_of(const Scene& scene, const Light& light, double power) {
+    LightBounds b;
+    b.power = static_cast<float>(power);
+    b.lower = b.upper = light.p0;
+    switch (light.kind) {
+        case LightKind::triangle:
+            b.lower = glm::min(light.p0, glm::min(light.p0 + light.e1, light.p0 + light.e2));
+            b.upper = glm::max(light.p0, glm::max(light.p0 + light.e1, light.p0 + light.e2));
+            b.axis = light.n;
+            b.two_sided = light.two_sided;
+            break;
+        case LightKind::sphere:
+            b.lower = light.p0 - Vec3f(light.e1.x);
+            b.upper = light.p0 + Vec3f(light.e1.x);
+            b.cos_theta_o = -1;
+            break;
+        case LightKind::point:
+            b.cos_theta_o = -1;
+            break;
+        case LightKind::spot:
+            b.axis = light.e1;
+            b.cos_theta_e = std::cos(scene.punctual_lights()[light.punctual].outer_cone_angle);
+            break;
+        case LightKind::directional:
+            b.power = 0;
+            break;
+    }
+    return b;
+}
+
 }  // namespace
 
 Rgb emitted_radiance(const Scene& scene, const Material& material, const Vec2f& uv0,
-                     const Vec2f& uv1, bool front) {
+                     const Vec2f& uv1, bool front, float cos_theta) {
     if (!front && !material.double_sided) return Rgb(0);
     Rgb radiance = material.emissive_factor * material.emissive_strength;
     if (material.emissive_texture.used()) {
         const TextureSlot& slot = material.emissive_texture;
         const Vec2f uv = slot.apply(slot.uv_set == 0 ? uv0 : uv1);
         radiance *= Rgb(eval_texture(scene.textures()[slot.texture], uv, TextureEncoding::srgb));
+    }
+    if (material.clearcoat_factor > 0) {
+        float coat = material.clearcoat_factor;
+        if (material.clearcoat_texture.used()) {
+            const TextureSlot& slot = material.clearcoat_texture;
+            const Vec2f uv = slot.apply(slot.uv_set == 0 ? uv0 : uv1);
+            coat *= eval_texture(scene.textures()[slot.texture], uv, TextureEncoding::linear).x;
+        }
+        constexpr float kF0 = 0.04f;
+        const float m = 1 - std::min(cos_theta, 1.0f);
+        radiance *= 1 - coat * (kF0 + (1 - kF0) * (m * m * m * m * m));
     }
     return radiance;
 }
@@ -62,11 +104,35 @@ LightTable::LightTable(const Scene& scene, const LightTable* previous)
     : environment_(scene.environment(), previous ? &previous->environment_ : nullptr) {
     add_surface_lights(scene);
     add_punctual_lights(scene);
+    make_choice(scene);
+    const bool any = !choice_.is_empty() || !tree_.is_empty();
+    if (environment_.is_sampled()) environment_probability_ = any ? 0.5f : 1.0f;
+}
+
+void LightTable::make_choice(const Scene& scene) {
     std::vector<double> powers;
     powers.reserve(lights_.size());
     for (const Light& light : lights_) powers.push_back(light.power);
     choice_ = DiscreteDistribution(powers);
-    if (environment_.is_sampled()) environment_probability_ = choice_.is_empty() ? 1.0f : 0.5f;
+    if (lights_.size() < kTreeLights || choice_.is_empty()) return;
+    std::vector<LightBounds> bounds;
+    bounds.reserve(lights_.size());
+    double placed = 0;
+    for (std::size_t i = 0; i < lights_.size(); ++i) {
+        bounds.push_back(bounds_of(scene, lights_[i], powers[i] / choice_.total()));
+        if (!(bounds.back().power > 0)) continue;
+        placed += powers[i];
+        powers[i] = 0;
+    }
+    const double total = choice_.total();
+    tree_ = LightTree(bounds);
+    choice_ = DiscreteDistribution(powers);
+    if (tree_.is_empty()) return;
+    // Neither may starve: the tree knows what is near, power does not.
+    constexpr double kLeast = 0.25;
+    tree_probability_ = choice_.is_empty()
+                            ? 1.0f
+                            : static_cast<float>(std::clamp(placed / total, kLeast, 1 - kLeast));
 }
 
 void LightTable::add_surface_lights(const Scene& scene) {
@@ -119,8 +185,8 @@ void LightTable::add_punctual_lights(const Scene& scene) {
     }
 }
 
-std::optional<LightSample> LightTable::sample(const Scene& scene, const Vec3f& p, float u_choice,
-                                              const Vec2f& u) const {
+std::optional<LightSample> LightTable::sample(const Scene& scene, const Vec3f& p, const Vec3f& n,
+                                              float u_choice, const Vec2f& u) const {
     float probability = 1;
     if (environment_probability_ > 0) {
         if (u_choice < environment_probability_) {
@@ -136,12 +202,25 @@ std::optional<LightSample> LightTable::sample(const Scene& scene, const Vec3f& p
         probability = 1 - environment_probability_;
         u_choice = std::min((u_choice - environment_probability_) / probability, kOneMinusEpsilon);
     }
-    if (choice_.is_empty()) return std::nullopt;
     uint32_t index = 0;
-    if (lights_.size() > 1) {
-        const DiscreteDistribution::Pick pick = choice_.sample(u_choice);
-        index = pick.index;
-        probability *= pick.probability;
+    if (u_choice < tree_probability_) {
+        const float u_tree = std::min(u_choice / tree_probability_, kOneMinusEpsilon);
+        const std::optional<LightTree::Pick> pick = tree_.sample(p, n, u_tree);
+        if (!pick) return std::nullopt;
+        index = pick->index;
+        probability *= tree_probability_ * pick->probability;
+    } else {
+        if (choice_.is_empty()) return std::nullopt;
+        if (tree_probability_ > 0) {
+            probability *= 1 - tree_probability_;
+            u_choice = std::min((u_choice - tree_probability_) / (1 - tree_probability_),
+                                kOneMinusEpsilon);
+        }
+        if (lights_.size() > 1) {
+            const DiscreteDistribution::Pick pick = choice_.sample(u_choice);
+            index = pick.index;
+            probability *= pick.probability;
+        }
     }
     std::optional<LightSample> sample = sample_light(scene, lights_[index], p, u);
     if (sample) sample->pdf *= probability;
@@ -169,12 +248,19 @@ uint32_t LightTable::light_of(PrimitiveId id) const {
     return first == kNoId ? kNoId : first + id.primitive;
 }
 
-float LightTable::pdf_surface(const Vec3f& p, PrimitiveId id, const Vec3f& hit_point) const {
+float LightTable::pdf_surface(const Vec3f& p, const Vec3f& n, PrimitiveId id,
+                              const Vec3f& hit_point) const {
     const uint32_t index = light_of(id);
     if (index == kNoId) return 0;
     const Light& light = lights_[index];
-    const float probability =
-        (1 - environment_probability_) * (lights_.size() > 1 ? choice_.probability(index) : 1.0f);
+    float probability = 1 - environment_probability_;
+    if (tree_probability_ > 0) {
+        // Surfaces have a place.
+        probability *= tree_probability_ * tree_.probability(p, n, index);
+        if (!(probability > 0)) return 0;
+    } else if (lights_.size() > 1) {
+        probability *= choice_.probability(index);
+    }
     return probability * (light.kind == LightKind::triangle
                               ? pdf_triangle_light(light, p, hit_point)
                               : pdf_sphere_light(light, p));

@@ -1,5 +1,6 @@
 // Everything that sends light, and how a shading point picks from it: emissive triangles and
-// spheres, punctual lights and the environment. Radiance in nits, densities per solid angle and
+// spheres, punctual lights and the environment. From kTreeLights lights on, those with a place are
+// chosen by a light tree. Radiance in nits, densities per solid angle and
 // including the probability of the choice.
 #pragma once
 
@@ -9,11 +10,15 @@
 #include <vector>
 
 #include "core/lights/environment_light.h"
+#include "core/lights/light_tree.h"
 #include "core/math/distribution.h"
 #include "core/math/ray.h"
 #include "core/scene/scene.h"
 
 namespace talbot {
+
+// Fewer lights are chosen by power alone: a quad's two triangles would not repay the descent.
+inline constexpr std::size_t kTreeLights = 3;
 
 enum class LightKind : uint8_t { triangle, sphere, point, spot, directional };
 
@@ -49,28 +54,35 @@ class LightTable {
 
     const std::vector<Light>& lights() const { return lights_; }
     const EnvironmentLight& environment() const { return environment_; }
-    bool can_sample() const { return !choice_.is_empty() || environment_.is_sampled(); }
+    bool can_sample() const {
+        return !choice_.is_empty() || !tree_.is_empty() || environment_.is_sampled();
+    }
 
-    // One light for a point p, with u_choice picking it. Empty when the chosen light cannot send
+    // One light for a point p, with u_choice picking it. n: the surface's unit normal on the side
+    // that is lit, zero where light from both sides counts. Empty when the chosen light cannot send
     // anything to p.
-    std::optional<LightSample> sample(const Scene& scene, const Vec3f& p, float u_choice,
-                                      const Vec2f& u) const;
+    std::optional<LightSample> sample(const Scene& scene, const Vec3f& p, const Vec3f& n,
+                                      float u_choice, const Vec2f& u) const;
 
     // Density with which sample() at p gives the direction that hits `hit_point` on emitter `id`; 0
     // for surfaces that are not sampled.
-    float pdf_surface(const Vec3f& p, PrimitiveId id, const Vec3f& hit_point) const;
+    float pdf_surface(const Vec3f& p, const Vec3f& n, PrimitiveId id, const Vec3f& hit_point) const;
     // The same for the environment seen along d.
     float pdf_environment(const Vec3f& d) const;
 
   private:
+    void make_choice(const Scene& scene);
     void add_surface_lights(const Scene& scene);
     void add_punctual_lights(const Scene& scene);
     std::optional<LightSample> sample_light(const Scene& scene, const Light& light, const Vec3f& p,
                                             const Vec2f& u) const;
     uint32_t light_of(PrimitiveId id) const;
 
+    // A few lights are chosen by power; more by the tree, beside the lights without a place.
     std::vector<Light> lights_;
-    DiscreteDistribution choice_;
+    DiscreteDistribution choice_;  // with a tree: of lights without a place
+    LightTree tree_;
+    float tree_probability_ = 0;  // of the tree, unless the environment is chosen
     EnvironmentLight environment_;
     float environment_probability_ = 0;
     std::vector<uint32_t> first_light_of_instance_;  // kNoId where nothing is emitted
@@ -78,8 +90,9 @@ class LightTable {
 };
 
 // Radiance that an emissive surface sends towards its front (or both sides), with its texture at
-// uv; black on the back.
+// uv, in a direction at that cosine >= 0 to its normal; black on the back. A clear coat keeps what
+// its Fresnel reflects (KHR_materials_clearcoat), by the geometric normal here.
 Rgb emitted_radiance(const Scene& scene, const Material& material, const Vec2f& uv0,
-                     const Vec2f& uv1, bool front);
+                     const Vec2f& uv1, bool front, float cos_theta);
 
 }  // namespace talbot

@@ -135,12 +135,12 @@ std::optional<LightSample> sample_triangle_light(const Scene& scene, const Light
     sample.id = light.id;
     const Material& material = scene.materials()[light.material];
     sample.radiance = light.radiance;
-    if (material.emissive_texture.used()) {
+    if (material.emissive_texture.used() || material.clearcoat_factor > 0) {
         const Mesh& mesh =
             scene.geometry().meshes[scene.geometry().instances[light.id.instance].mesh];
-        sample.radiance =
-            emitted_radiance(scene, material, uv_at(mesh, light.id.primitive, 0, b1, b2),
-                             uv_at(mesh, light.id.primitive, 1, b1, b2), front);
+        sample.radiance = emitted_radiance(
+            scene, material, uv_at(mesh, light.id.primitive, 0, b1, b2),
+            uv_at(mesh, light.id.primitive, 1, b1, b2), front, std::abs(dot(sample.wi, light.n)));
     }
     return sample;
 }
@@ -188,9 +188,10 @@ std::optional<LightSample> sample_sphere_light(const Scene& scene, const Light& 
     sample.id = light.id;
     const Material& material = scene.materials()[light.material];
     sample.radiance = light.radiance;
-    if (material.emissive_texture.used()) {
+    if (material.emissive_texture.used() || material.clearcoat_factor > 0) {
         const Vec2f uv = sphere_uv(Vec3f(normal));
-        sample.radiance = emitted_radiance(scene, material, uv, uv, true);
+        sample.radiance = emitted_radiance(scene, material, uv, uv, true,
+                                           std::abs(dot(sample.wi, Vec3f(normal))));
     }
     return sample;
 }

@@ -18,6 +18,13 @@ struct Frame {
         orthonormal_basis(normal, frame.t, frame.b);
         return frame;
     }
+    // The tangent that lies nearest to a direction; any, where the direction is the normal or zero.
+    static Frame from_normal_and_tangent(const Vec3f& normal, const Vec3f& direction) {
+        Frame frame = from_normal(normal);
+        frame.t = safe_normalize(direction - dot(direction, normal) * normal, frame.t);
+        frame.b = cross(frame.n, frame.t);
+        return frame;
+    }
     Vec3f to_local(const Vec3f& v) const { return Vec3f(dot(v, t), dot(v, b), dot(v, n)); }
     Vec3f to_world(const Vec3f& v) const { return v.x * t + v.y * b + v.z * n; }
 };

@@ -26,6 +26,12 @@ inline constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
 // GGX alpha below which a surface is a perfect mirror or a smooth interface in every routine alike.
 inline constexpr float kDeltaAlpha = 1e-3f;
 
+// Reflectance under a thin film is kept below this, so that the series of its reflections converges.
+inline constexpr float kLargestFilmBase = 0.9999f;
+
+// Least cosine to the normal at which sheen is evaluated: its value has 1 / cosine.
+inline constexpr float kMinSheenCosine = 1e-4f;
+
 // |eta - 1| below which an interface is none at all.
 inline constexpr float kIndexMatched = 1e-6f;
 

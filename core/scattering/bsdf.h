@@ -1,8 +1,9 @@
 // The layered glTF surface as one BSDF: an opaque part (GGX reflection over a diffuse base, or
-// metal) mixed with a glass part (reflection and refraction at a dielectric interface). Directions
-// point away from the surface, unit length, in world space. Templated over the effect tier: parts
-// that the tier lacks are not compiled in, and give the same numbers where they would have weight
-// zero.
+// metal) mixed with a glass part (reflection and refraction at a dielectric interface), under
+// sheen, under a clear coat. Each layer scales what lies below by what it lets through of wo.
+// Directions point away from the surface, unit length, in world space. Templated over the effect
+// tier: parts that the tier lacks are not compiled in, and give the same numbers where they would
+// have weight zero.
 //
 // Values are of radiance: glass scales by 1 / eta^2 on the way into wo, so a closed body in a
 // uniform environment returns 1.
@@ -15,39 +16,15 @@
 #include "core/math/frame.h"
 #include "core/math/vec.h"
 #include "core/math/warp.h"
+#include "core/scattering/coat_layer.h"
 #include "core/scattering/glass_layer.h"
 #include "core/scattering/opaque_layer.h"
 #include "core/scattering/shading_normal.h"
+#include "core/scattering/shading_params.h"
+#include "core/scattering/sheen_layer.h"
 #include "core/scene/effects.h"
 
 namespace talbot {
-
-// A material's factors at one point, after textures. alpha = roughness^2 of glTF.
-struct ShadingParams {
-    Rgb base_color{1};
-    float metallic = 0;
-    float alpha = 1;     // below kDeltaAlpha the surface is a perfect mirror or smooth interface
-    float specular = 1;  // KHR_materials_specular factor
-    Rgb specular_color{1};
-    float ior = 1.5f;  // of the material; 0 = Fresnel 1 everywhere
-    float transmission = 0;
-    bool thin = true;  // thin wall: no refraction
-};
-
-struct BsdfSample {
-    Vec3f wi{0, 0, 1};
-    Rgb weight{
-        0};  // f |cos| / pdf (for delta: the lobe's reflectance over its selection probability)
-    float pdf = 0;  // per solid angle; selection probability for delta
-    bool delta = false;
-    bool transmitted = false;  // wi is on the other side of the geometric surface
-    float eta = 1;             // index on wi's side over that on wo's side; 1 unless refracted
-};
-
-struct BsdfEval {
-    Rgb f_cos{0};   // f times |cos theta_i| of the shading normal
-    float pdf = 0;  // of sample() giving wi
-};
 
 template <EffectSet kTier>
 class Bsdf {
@@ -55,6 +32,11 @@ class Bsdf {
     static constexpr bool kSpecular = kTier.has(Effect::specular);
     static constexpr bool kGlass = kTier.has(Effect::transmission);
     static constexpr bool kThin = kTier.has(Effect::thin_wall);
+    static constexpr bool kCoat = kTier.has(Effect::clearcoat);
+    static constexpr bool kSheen = kTier.has(Effect::sheen);
+    static constexpr bool kThrough = kTier.has(Effect::diffuse_transmission);
+    static constexpr bool kExtended =
+        kThrough || kTier.has(Effect::anisotropy) || kTier.has(Effect::iridescence);
 
   public:
     // frame.n is the shading normal on wo's side, n_geometric the unit geometric normal on wo's
@@ -76,18 +58,45 @@ class Bsdf {
 
   private:
     struct Absent {};
+    struct Coat {
+        CoatLayer layer;
+        Frame frame;
+        bool flat = true;  // the coat's normal is the surface's
+        float p = 0;       // probability of choosing it
+    };
+    struct Sheen {
+        SheenLayer layer;
+        float p = 0;
+    };
+
+    void make_base(const ShadingParams& params, bool outside, float weight);
+    float make_coat(const ShadingParams& params);
+    float make_sheen(const ShadingParams& params, float weight);
+    void make_frames(const ShadingParams& params);
+    void share_probability(float base_albedo);
 
     bool is_lambert() const {
         if constexpr (!kGlossy && !kGlass) return true;
         return lambert_;
     }
+    // Probability of choosing neither coat nor sheen.
+    float p_base() const {
+        float p = 1;
+        if constexpr (kCoat) p -= coat_.p;
+        if constexpr (kSheen) p -= sheen_.p;
+        return p;
+    }
     void add_specular(const Vec3f& wi_local, BsdfEval& sum) const;
-    void add_diffuse(float cos_i, BsdfEval& sum) const;
+    void add_diffuse(float cos_i, bool through, BsdfEval& sum) const;
+    void add_sheen(const Vec3f& wi_local, BsdfEval& sum) const;
+    void add_coat(const Vec3f& wi, BsdfEval& sum) const;
     BsdfEval eval_lambert(const Vec3f& wi) const;
     BsdfEval eval_tilted(const Vec3f& wi) const;
     std::optional<BsdfSample> sample_diffuse(const Vec2f& u) const;
+    std::optional<BsdfSample> sample_base_diffuse(float u_lobe, const Vec2f& u) const;
     std::optional<BsdfSample> sample_opaque_specular(const Vec2f& u) const;
     std::optional<BsdfSample> sample_glass(float u_lobe, const Vec2f& u) const;
+    std::optional<BsdfSample> sample_coat(const Vec2f& u) const;
     std::optional<BsdfSample> smooth_sample(const Vec3f& wi, bool transmitted) const;
     std::optional<BsdfSample> delta_sample(const Vec3f& wi, const Rgb& share, float p) const;
 
@@ -97,6 +106,11 @@ class Bsdf {
     Vec3f on_side(const Vec3f& w, bool transmitted) const {
         if (flat_ || (dot(w, n_geometric_) < 0) == transmitted) return w;
         return fold_at_surface(w, n_geometric_);
+    }
+    Vec3f local_wo(const Frame& frame) const {
+        Vec3f w = frame.to_local(wo_);
+        w.z = glm::clamp(w.z, 0.0f, 1.0f);
+        return w;
     }
 
     Frame frame_;
@@ -110,8 +124,11 @@ class Bsdf {
     float p_glass_ = 0;
     bool flat_ = true;
     bool lambert_ = true;
-    [[no_unique_address]] std::conditional_t<kGlossy || kGlass, OpaqueLayer, Absent> opaque_;
-    [[no_unique_address]] std::conditional_t<kGlass, GlassLayer, Absent> glass_;
+    [[no_unique_address]] std::conditional_t<kGlossy || kGlass, OpaqueLayer<kExtended>, Absent>
+        opaque_;
+    [[no_unique_address]] std::conditional_t<kGlass, GlassLayer<kExtended>, Absent> glass_;
+    [[no_unique_address]] std::conditional_t<kCoat, Coat, Absent> coat_;
+    [[no_unique_address]] std::conditional_t<kSheen, Sheen, Absent> sheen_;
 };
 
 template <EffectSet kTier>
@@ -135,38 +152,107 @@ Bsdf<kTier>::Bsdf(const ShadingParams& params, const Frame& frame, const Vec3f& 
         const float metallic = kGlossy ? params.metallic : 0.0f;
         const float transmission = kGlass ? params.transmission * (1 - metallic) : 0.0f;
         lambert_ = !(transmission > 0) && !(kGlossy && (specular > 0 || metallic > 0));
+        if constexpr (kThrough) lambert_ = lambert_ && !(params.diffuse_transmission > 0);
+        if constexpr (kCoat) lambert_ = lambert_ && !(params.clearcoat > 0 && outside);
+        if constexpr (kSheen) lambert_ = lambert_ && is_black(params.sheen_color);
         if (lambert_) return;
 
-        if (!flat_) {
-            bent_frame_ = frame_;
-            const Vec3f n = bend_shading_normal(frame_.n, n_geometric, wo);
-            if (n != frame_.n) bent_frame_ = Frame::from_normal(n);
+        make_frames(params);
+        float weight = 1;
+        if constexpr (kCoat) {
+            if (params.clearcoat > 0 && outside) weight = make_coat(params);
         }
-        wo_local_ = specular_frame().to_local(wo);
-        wo_local_.z = glm::clamp(wo_local_.z, 0.0f, 1.0f);
-        const Rgb specular_color = kSpecular ? params.specular_color : Rgb(1);
-        if constexpr (kGlass) {
-            if (transmission > 0) {
-                const bool thin = kThin && params.thin;
-                glass_ = GlassLayer({params.base_color, params.alpha, specular, specular_color,
-                                     params.ior, thin, outside},
-                                    transmission, wo_local_);
-                p_glass_ = 1;
-            }
+        if constexpr (kSheen) {
+            if (!is_black(params.sheen_color) && outside) weight *= make_sheen(params, weight);
         }
-        if (transmission < 1) {
-            const float weight = 1 - transmission;
-            opaque_ = OpaqueLayer({params.base_color, metallic / weight, params.alpha,
-                                   kGlossy ? specular : 0.0f, specular_color, params.ior},
-                                  weight, wo_local_);
-            if (!flat_) tilt_scale_ = opaque_.diffuse_tilt_scale(dot(frame_.n, n_geometric_));
-            if constexpr (kGlass) {
-                const float glass = transmission > 0 ? glass_.albedo() : 0.0f;
-                const float sum = glass + opaque_.albedo();
-                p_glass_ = sum > 0 ? glass / sum : 0.0f;
+        make_base(params, outside, weight);
+    }
+}
+
+template <EffectSet kTier>
+void Bsdf<kTier>::make_frames(const ShadingParams& params) {
+    if constexpr (kTier.has(Effect::anisotropy)) {
+        if (params.anisotropy > 0)
+            frame_ = Frame::from_normal_and_tangent(frame_.n, params.anisotropy_direction);
+    }
+    if (!flat_) {
+        bent_frame_ = frame_;
+        const Vec3f n = bend_shading_normal(frame_.n, n_geometric_, wo_);
+        if (n != frame_.n) {
+            bent_frame_ = Frame::from_normal(n);
+            if constexpr (kTier.has(Effect::anisotropy)) {
+                if (params.anisotropy > 0)
+                    bent_frame_ = Frame::from_normal_and_tangent(n, frame_.t);
             }
         }
     }
+    wo_local_ = local_wo(specular_frame());
+}
+
+// Returns the share of light that reaches what lies below.
+template <EffectSet kTier>
+float Bsdf<kTier>::make_coat(const ShadingParams& params) {
+    if constexpr (kCoat) {
+        Vec3f n = params.clearcoat_normal;
+        if (!(dot(n, n_geometric_) > 0)) n = n_geometric_;
+        coat_.flat = n == n_geometric_;
+        if (!coat_.flat) n = bend_shading_normal(n, n_geometric_, wo_);
+        coat_.frame = Frame::from_normal(n);
+        coat_.layer = CoatLayer(params.clearcoat, params.clearcoat_alpha, local_wo(coat_.frame));
+        return 1 - coat_.layer.albedo();
+    }
+    return 1;
+}
+
+// The same for sheen.
+template <EffectSet kTier>
+float Bsdf<kTier>::make_sheen(const ShadingParams& params, float weight) {
+    if constexpr (kSheen) {
+        sheen_.layer = SheenLayer(params.sheen_color, params.sheen_alpha, weight, wo_local_);
+        return sheen_.layer.below();
+    }
+    return 1;
+}
+
+template <EffectSet kTier>
+void Bsdf<kTier>::make_base(const ShadingParams& params, bool outside, float weight) {
+    if constexpr (kGlossy || kGlass) {
+        const float specular = kSpecular ? params.specular : 1.0f;
+        const float metallic = kGlossy ? params.metallic : 0.0f;
+        const float transmission = kGlass ? params.transmission * (1 - metallic) : 0.0f;
+        const Rgb specular_color = kSpecular ? params.specular_color : Rgb(1);
+        float albedo = 0;
+        if constexpr (kGlass) {
+            if (transmission > 0) {
+                const bool thin = kThin && params.thin;
+                glass_ = GlassLayer<kExtended>(params, thin, specular, specular_color, outside,
+                                               transmission * weight, wo_local_);
+                p_glass_ = 1;
+                albedo = glass_.albedo();
+            }
+        }
+        if (transmission < 1) {
+            const float share = 1 - transmission;
+            opaque_ = OpaqueLayer<kExtended>(params, metallic / share, kGlossy ? specular : 0.0f,
+                                             specular_color, share * weight, wo_local_);
+            if (!flat_) tilt_scale_ = opaque_.diffuse_tilt_scale(dot(frame_.n, n_geometric_));
+            const float sum = albedo + opaque_.albedo();
+            if constexpr (kGlass) p_glass_ = sum > 0 ? albedo / sum : 0.0f;
+            albedo = sum;
+        }
+        share_probability(albedo);
+    }
+}
+
+// Coat and sheen are chosen in proportion to what they return.
+template <EffectSet kTier>
+void Bsdf<kTier>::share_probability(float base_albedo) {
+    float sum = base_albedo;
+    if constexpr (kCoat) sum += coat_.layer.albedo();
+    if constexpr (kSheen) sum += sheen_.layer.albedo();
+    if (!(sum > base_albedo)) return;
+    if constexpr (kCoat) coat_.p = coat_.layer.albedo() / sum;
+    if constexpr (kSheen) sheen_.p = sheen_.layer.albedo() / sum;
 }
 
 template <EffectSet kTier>
@@ -175,6 +261,8 @@ bool Bsdf<kTier>::has_smooth_lobe() const {
     bool smooth = false;
     if constexpr (kGlossy || kGlass) smooth = p_glass_ < 1 && opaque_.has_smooth_lobe();
     if constexpr (kGlass) smooth = smooth || (p_glass_ > 0 && !glass_.is_delta());
+    if constexpr (kCoat) smooth = smooth || (coat_.p > 0 && !coat_.layer.is_mirror());
+    if constexpr (kSheen) smooth = smooth || sheen_.p > 0;
     return smooth;
 }
 
@@ -185,7 +273,13 @@ BsdfEval Bsdf<kTier>::eval(const Vec3f& wi) const {
     const Vec3f wi_local = frame_.to_local(wi);
     BsdfEval sum;
     add_specular(wi_local, sum);
-    if (wi_local.z > 0) add_diffuse(wi_local.z, sum);
+    if (wi_local.z > 0) {
+        add_diffuse(wi_local.z, false, sum);
+        add_sheen(wi_local, sum);
+        add_coat(wi, sum);
+    } else if (kThrough && wi_local.z < 0) {
+        add_diffuse(-wi_local.z, true, sum);
+    }
     return sum;
 }
 
@@ -209,9 +303,14 @@ BsdfEval Bsdf<kTier>::eval_tilted(const Vec3f& wi) const {
     const Vec3f folded = bent_frame_.to_local(fold_at_surface(wi, n_geometric_));
     if ((direct.z > 0) == (side > 0)) add_specular(direct, sum);
     if ((folded.z > 0) == (side > 0)) add_specular(folded, sum);
+    const float cos_i = dot(wi, frame_.n);
     if (side > 0) {
-        const float cos_i = dot(wi, frame_.n);
-        if (cos_i > 0) add_diffuse(cos_i, sum);
+        if (cos_i > 0) add_diffuse(cos_i, false, sum);
+        add_sheen(direct, sum);
+        add_sheen(folded, sum);
+        add_coat(wi, sum);
+    } else if (kThrough && cos_i < 0) {
+        add_diffuse(-cos_i, true, sum);
     }
     return sum;
 }
@@ -222,108 +321,56 @@ void Bsdf<kTier>::add_specular(const Vec3f& wi_local, BsdfEval& sum) const {
         if (p_glass_ < 1 && wi_local.z > 0) {
             const LobeValue v = opaque_.eval_specular(wi_local);
             sum.f_cos += v.f_cos;
-            sum.pdf += (1 - p_glass_) * opaque_.specular_probability() * v.pdf;
+            sum.pdf += p_base() * (1 - p_glass_) * opaque_.specular_probability() * v.pdf;
         }
     }
     if constexpr (kGlass) {
         if (p_glass_ > 0 && wi_local.z != 0) {
             const LobeValue v = glass_.eval(wi_local);
             sum.f_cos += v.f_cos;
-            sum.pdf += p_glass_ * v.pdf;
+            sum.pdf += p_base() * p_glass_ * v.pdf;
         }
     }
 }
 
 template <EffectSet kTier>
-void Bsdf<kTier>::add_diffuse(float cos_i, BsdfEval& sum) const {
+void Bsdf<kTier>::add_diffuse(float cos_i, bool through, BsdfEval& sum) const {
     if constexpr (kGlossy || kGlass) {
         if (!(p_glass_ < 1)) return;
-        const LobeValue v = opaque_.eval_diffuse(std::min(cos_i, 1.0f));
+        const LobeValue v = opaque_.eval_diffuse(std::min(cos_i, 1.0f), through);
         sum.f_cos += flat_ ? v.f_cos : tilt_scale_ * v.f_cos;
-        sum.pdf += (1 - p_glass_) * (1 - opaque_.specular_probability()) * v.pdf;
+        sum.pdf += p_base() * (1 - p_glass_) * (1 - opaque_.specular_probability()) * v.pdf;
     }
 }
 
 template <EffectSet kTier>
-std::optional<BsdfSample> Bsdf<kTier>::sample([[maybe_unused]] float u_lobe, const Vec2f& u) const {
-    if (is_lambert()) return sample_diffuse(u);
-    if constexpr (kGlass) {
-        if (u_lobe < p_glass_)
-            return sample_glass(std::min(u_lobe / p_glass_, kOneMinusEpsilon), u);
-        u_lobe = std::min((u_lobe - p_glass_) / (1 - p_glass_), kOneMinusEpsilon);
+void Bsdf<kTier>::add_sheen([[maybe_unused]] const Vec3f& wi_local,
+                            [[maybe_unused]] BsdfEval& sum) const {
+    if constexpr (kSheen) {
+        if (!(sheen_.p > 0) || !(wi_local.z > 0)) return;
+        const LobeValue v = sheen_.layer.eval(wi_local);
+        sum.f_cos += v.f_cos;
+        sum.pdf += sheen_.p * v.pdf;
     }
-    if constexpr (kGlossy || kGlass) {
-        if (u_lobe < opaque_.specular_probability()) return sample_opaque_specular(u);
+}
+
+// The coat's lobe, folded at the surface where its normal is tilted.
+template <EffectSet kTier>
+void Bsdf<kTier>::add_coat([[maybe_unused]] const Vec3f& wi, [[maybe_unused]] BsdfEval& sum) const {
+    if constexpr (kCoat) {
+        if (!(coat_.p > 0)) return;
+        const auto add = [&](const Vec3f& w) {
+            const Vec3f local = coat_.frame.to_local(w);
+            if (!(local.z > 0)) return;
+            const LobeValue v = coat_.layer.eval(local);
+            sum.f_cos += v.f_cos;
+            sum.pdf += coat_.p * v.pdf;
+        };
+        add(wi);
+        if (!coat_.flat) add(fold_at_surface(wi, n_geometric_));
     }
-    return sample_diffuse(u);
-}
-
-template <EffectSet kTier>
-std::optional<BsdfSample> Bsdf<kTier>::sample_diffuse(const Vec2f& u) const {
-    return smooth_sample(frame_.to_world(sample_cosine_hemisphere(u)), false);
-}
-
-template <EffectSet kTier>
-std::optional<BsdfSample> Bsdf<kTier>::sample_opaque_specular(const Vec2f& u) const {
-    if constexpr (kGlossy || kGlass) {
-        if (opaque_.is_mirror()) {
-            const Vec3f wi(-wo_local_.x, -wo_local_.y, wo_local_.z);
-            return delta_sample(on_side(specular_frame().to_world(wi), false),
-                                opaque_.mirror_reflectance(),
-                                (1 - p_glass_) * opaque_.specular_probability());
-        }
-        const Vec3f wi = opaque_.sample_specular(u);
-        if (wi.z > 0) return smooth_sample(on_side(specular_frame().to_world(wi), false), false);
-    }
-    return std::nullopt;
-}
-
-template <EffectSet kTier>
-std::optional<BsdfSample> Bsdf<kTier>::sample_glass(float u_lobe, const Vec2f& u) const {
-    if constexpr (kGlass) {
-        std::optional<BsdfSample> s;
-        if (glass_.is_delta()) {
-            const GlassLayer::Split split = glass_.split(wo_local_.z);
-            if (u_lobe < split.p_reflect) {
-                const Vec3f wi(-wo_local_.x, -wo_local_.y, wo_local_.z);
-                return delta_sample(on_side(specular_frame().to_world(wi), false),
-                                    glass_.weight() * split.reflected, p_glass_ * split.p_reflect);
-            }
-            const Vec3f wi =
-                glass_.is_straight()
-                    ? -wo_
-                    : on_side(specular_frame().to_world(glass_.refracted(split.cos_t)), true);
-            s = delta_sample(wi, glass_.weight() * glass_.transmitted_scale() * split.transmitted,
-                             p_glass_ * (1 - split.p_reflect));
-            if (s) s->transmitted = true;
-        } else {
-            const Vec3f wi = glass_.sample(u_lobe, u);
-            if (wi.z == 0) return s;
-            const bool transmitted = wi.z < 0;
-            s = smooth_sample(on_side(specular_frame().to_world(wi), transmitted), transmitted);
-        }
-        if (s && s->transmitted) s->eta = glass_.is_straight() ? 1.0f : glass_.eta();
-        return s;
-    }
-    return std::nullopt;
-}
-
-// The record of a drawn direction, valued by the same code that light sampling uses.
-template <EffectSet kTier>
-std::optional<BsdfSample> Bsdf<kTier>::smooth_sample(const Vec3f& wi, bool transmitted) const {
-    const BsdfEval e = eval(wi);
-    if (!(e.pdf > 0) || is_black(e.f_cos)) return std::nullopt;
-    const bool crosses = dot(wi, n_geometric_) < 0;
-    if (crosses != transmitted) return std::nullopt;
-    return BsdfSample{wi, e.f_cos * (1 / e.pdf), e.pdf, false, transmitted, 1};
-}
-
-// share: what the lobe returns; p: the probability of choosing it.
-template <EffectSet kTier>
-std::optional<BsdfSample> Bsdf<kTier>::delta_sample(const Vec3f& wi, const Rgb& share,
-                                                    float p) const {
-    if (!(p > 0) || is_black(share)) return std::nullopt;
-    return BsdfSample{wi, share * (1 / p), p, true, false, 1};
 }
 
 }  // namespace talbot
+
+#include "core/scattering/bsdf_sampling.h"

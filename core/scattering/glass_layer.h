@@ -5,50 +5,64 @@
 // so that entering and leaving a closed body cancels. Rough interfaces are those of Walter et al.
 // 2007 with visible normals. base_color tints what is transmitted at each crossing.
 // KHR_materials_specular rescales the reflectance between its values at normal and at grazing
-// incidence; total internal reflection stays total.
+// incidence; total internal reflection stays total. The extended layer also knows anisotropy and
+// thin films; a film is met from outside only, and what it reflects in its largest channel is
+// missing from all channels of what is transmitted.
 #pragma once
 
 #include <algorithm>
+#include <type_traits>
 
 #include "core/scattering/albedo_tables.h"
-#include "core/scattering/opaque_layer.h"
+#include "core/scattering/extension_tables.h"
+#include "core/scattering/fresnel.h"
+#include "core/scattering/ggx.h"
+#include "core/scattering/shading_params.h"
 
 namespace talbot {
 
-struct GlassParams {
-    Rgb base_color{1};
-    float alpha = 0;
-    float specular = 1;
-    Rgb specular_color{1};
-    float ior = 1.5f;
-    bool thin = true;
-    bool outside = true;
-};
-
+template <bool kExtended>
 class GlassLayer {
   public:
     GlassLayer() = default;
 
-    // weight scales every value. wo has z >= 0.
-    GlassLayer(const GlassParams& m, float weight, const Vec3f& wo)
-        : wo_(wo), tint_(m.base_color), weight_(weight), thin_(m.thin) {
+    // outside: wo is on the outside of a closed volume. weight scales every value. wo has z >= 0.
+    GlassLayer(const ShadingParams& m, bool thin, float specular, const Rgb& specular_color,
+               bool outside, float weight, const Vec3f& wo)
+        : wo_(wo), tint_(m.base_color), weight_(weight), thin_(thin) {
         full_fresnel_ = m.ior == 0;
         const float ior = full_fresnel_ ? 1.0f : m.ior;
-        eta_ = m.outside || m.thin ? ior : 1 / ior;
-        plain_ = m.specular == 1 && m.specular_color == Rgb(1);
+        eta_ = outside || thin ? ior : 1 / ior;
+        plain_ = specular == 1 && specular_color == Rgb(1);
         if (!plain_) {
             f0_ = normal_reflectance(m.ior);
-            normal_ = glm::min(f0_ * m.specular_color, Rgb(1)) * m.specular;
-            grazing_ = m.specular;
+            normal_ = glm::min(f0_ * specular_color, Rgb(1)) * specular;
+            grazing_ = specular;
         }
         straight_ = thin_ || is_index_matched(eta_);
-        delta_ = m.alpha < kDeltaAlpha || (is_index_matched(eta_) && !full_fresnel_);
-        if (!delta_) {
+        bool anisotropic = false;
+        if constexpr (kExtended) {
+            anisotropic = m.anisotropy > 0;
+            has_film_ = m.iridescence > 0 && outside;
+            if (has_film_) make_film(m, specular, specular_color);
+        }
+        delta_ = (m.alpha < kDeltaAlpha && !anisotropic) ||
+                 (is_index_matched(eta_) && !full_fresnel_ && !has_film());
+        if (delta_) return;
+        // What a single scattering loses leaves in proportion to what it does not.
+        if (anisotropic) {
+            const float across = std::max(m.alpha, kDeltaAlpha);
+            const float along = anisotropic_alpha(across, m.anisotropy);
+            ggx_ = Ggx(along, across);
+            slant_o_ = ggx_.slant(wo);
+            const AnisotropicAlbedo albedo(across, m.anisotropy);
+            weight_ /= straight_ ? albedo(wo).e()
+                                 : glass_albedo(wo.z, albedo.round_alpha(wo), ior, outside);
+        } else {
             ggx_ = Ggx(m.alpha);
             slant_o_ = ggx_.slant(wo);
-            // What a single scattering loses leaves in proportion to what it does not.
             weight_ /= straight_ ? AlbedoRow(m.alpha)(wo.z).e()
-                                 : glass_albedo(wo.z, m.alpha, ior, m.outside);
+                                 : glass_albedo(wo.z, m.alpha, ior, outside);
         }
     }
 
@@ -77,6 +91,9 @@ class GlassLayer {
         if (!plain_ && !total_internal) {
             const float t = f0_ < 1 ? std::max(total - f0_, 0.0f) / (1 - f0_) : 0.0f;
             s.reflected = normal_ + t * (Rgb(grazing_) - normal_);
+        }
+        if constexpr (kExtended) {
+            if (has_film_) s.reflected += iridescence_ * (film_.at(cos_d) - s.reflected);
         }
         s.transmitted = std::max(1 - max_component(s.reflected), 0.0f) * tint_;
         const float reflected = mean_component(s.reflected);
@@ -132,6 +149,23 @@ class GlassLayer {
     }
 
   private:
+    struct Absent {};
+
+    bool has_film() const {
+        if constexpr (kExtended) return has_film_;
+        return false;
+    }
+    void make_film(const ShadingParams& m, float specular, const Rgb& specular_color) {
+        if constexpr (kExtended) {
+            const Rgb f0 = glm::min(normal_reflectance(m.ior) * specular_color, Rgb(1)) * specular;
+            for (std::size_t k = 0; k < film_.f.size(); ++k) {
+                film_.f[k] = film_reflectance(FilmNodes::cosine(static_cast<int>(k)),
+                                              m.iridescence_ior, m.iridescence_thickness, f0);
+            }
+            iridescence_ = m.iridescence;
+        }
+    }
+
     // wi with z > 0, as reflected or as the mirror image of a transmitted direction.
     LobeValue eval_mirrored(const Vec3f& wi, bool reflected) const {
         const GgxReflection r = ggx_.eval_reflection(wo_, slant_o_, wi);
@@ -177,6 +211,9 @@ class GlassLayer {
     bool thin_ = true;
     bool straight_ = true;
     bool delta_ = true;
+    [[no_unique_address]] std::conditional_t<kExtended, FilmNodes, Absent> film_;
+    float iridescence_ = 0;
+    bool has_film_ = false;
 };
 
 }  // namespace talbot

@@ -1,96 +1,102 @@
 // glTF's opaque surface: GGX reflection over a diffuse base, mixed with metal. Local frame, z along
-// the shading normal.
+// the shading normal, x along the direction of anisotropy if there is one.
 //
 // Specular: Schlick's Fresnel, single scattering plus the multiple scattering of Turquin 2019
 // ("Practical multiple scattering compensation"): dielectric and metal each scaled by 1 + F0 (1 -
 // e) / e, then mixed, so that white surfaces return exactly what they receive. The scale looks at
 // wo alone: f is not reciprocal where alpha is large. Diffuse: Lambert times (1 - S(mu_o)) (1 -
 // S(mu_i)) / (1 - mean S), S the dielectric's directional albedo in its largest channel (Kulla and
-// Conty 2017), reciprocal and exact in energy.
+// Conty 2017), reciprocal and exact in energy. Part of the diffuse light may leave on the other
+// side (KHR_materials_diffuse_transmission).
+//
+// The extended layer also knows anisotropy and thin films; of a film's coloured reflectance the
+// base loses the largest channel, so that the other channels are darker by the difference.
 #pragma once
 
 #include <algorithm>
+#include <type_traits>
 
 #include "core/scattering/albedo_tables.h"
+#include "core/scattering/extension_tables.h"
 #include "core/scattering/fresnel.h"
 #include "core/scattering/ggx.h"
+#include "core/scattering/shading_params.h"
 
 namespace talbot {
-
-struct LobeValue {
-    Rgb f_cos{0};
-    float pdf = 0;
-};
-
-inline float mean_component(const Rgb& c) {
-    return (c.x + c.y + c.z) * (1.0f / 3);
-}
-
-struct OpaqueParams {
-    Rgb base_color{1};
-    float metallic = 0;
-    float alpha = 1;
-    float specular = 1;
-    Rgb specular_color{1};
-    float ior = 1.5f;
-};
 
 // Mean cosine of (1 - mu)^5 mu dmu / sqrt(1 - mu^2), about: where Schlick's Fresnel keeps light
 // from entering.
 inline constexpr float kGrazingMean = 1.0f / 7;
 
+// What the extended layer carries besides.
+struct OpaqueExtension {
+    AnisotropicAlbedo anisotropic;
+    FilmNodes film;  // specular reflectance, of dielectric and metal, compensated and weighted
+    FilmNodes dielectric;  // x: of the dielectric's largest channel
+    Rgb diffuse_through{0};
+    float p_through = 0;  // of diffuse light: the probability that it leaves on the other side
+    float alpha = 1;      // isotropic stand-in
+    bool is_anisotropic = false;
+    bool has_film = false;
+};
+
+template <bool kExtended>
 class OpaqueLayer {
   public:
     OpaqueLayer() = default;
 
-    // weight scales every value. wo has z >= 0.
-    OpaqueLayer(const OpaqueParams& m, float weight, const Vec3f& wo) : wo_(wo) {
+    // metallic: share of metal within the layer; weight scales every value. wo has z >= 0.
+    OpaqueLayer(const ShadingParams& m, float metallic, float specular, const Rgb& specular_color,
+                float weight, const Vec3f& wo)
+        : wo_(wo) {
         const Rgb dielectric =
-            glm::min(normal_reflectance(m.ior) * m.specular_color, Rgb(1)) * m.specular;
-        const float not_metal = 1 - m.metallic;
+            glm::min(normal_reflectance(m.ior) * specular_color, Rgb(1)) * specular;
+        const float not_metal = 1 - metallic;
         f0_ = max_component(dielectric);
-        f90_ = m.specular;
+        f90_ = specular;
         delta_ = m.alpha < kDeltaAlpha;
+        if constexpr (kExtended) {
+            extension_.is_anisotropic = m.anisotropy > 0;
+            extension_.has_film = m.iridescence > 0;
+            delta_ = delta_ && !extension_.is_anisotropic;
+        }
 
         Rgb specular_albedo;
         float s_o = 0;  // S(mu_o)
-        if (delta_) {
-            const Rgb normal = not_metal * dielectric + m.metallic * m.base_color;
-            const Rgb grazing(not_metal * m.specular + m.metallic);
+        if (has_film()) {
+            specular_albedo = make_film(m, metallic, dielectric, specular, weight, s_o);
+        } else if (delta_) {
+            const Rgb normal = not_metal * dielectric + metallic * m.base_color;
+            const Rgb grazing(not_metal * specular + metallic);
             normal_ = weight * (normal + schlick_weight(wo.z) * (grazing - normal));
             specular_albedo = normal_;
             s_o = f0_ + (f90_ - f0_) * schlick_weight(wo.z);
             mean_s_ = f0_ + (f90_ - f0_) * (1.0f / 21);  // 2 int (1 - mu)^5 mu dmu = 1 / 21
         } else {
-            ggx_ = Ggx(m.alpha);
-            slant_o_ = ggx_.slant(wo);
-            row_ = AlbedoRow(m.alpha);
-            const SchlickAlbedo albedo = row_(wo.z);
+            make_distribution(m);
+            const SchlickAlbedo albedo = directional_albedo(wo);
             const float lost = albedo.lost();
             const Rgb dielectric_scale = (weight * not_metal) * (Rgb(1) + lost * dielectric);
-            const Rgb metal_scale = (weight * m.metallic) * (Rgb(1) + lost * m.base_color);
+            const Rgb metal_scale = (weight * metallic) * (Rgb(1) + lost * m.base_color);
             normal_ = dielectric_scale * dielectric + metal_scale * m.base_color;
-            grazing_ = dielectric_scale * m.specular + metal_scale;
+            grazing_ = dielectric_scale * specular + metal_scale;
             specular_albedo = albedo.a * normal_ + albedo.b * grazing_;
             s_o = compensated(albedo);
-            mean_s_ = row_.mean_compensated(f0_, f90_);
+            mean_s_ = is_anisotropic()
+                          ? hemisphere_mean([&](float mu) { return dielectric_albedo(mu); })
+                          : row_.mean_compensated(f0_, f90_);
         }
-
-        const float specular_share = mean_component(specular_albedo);
-        float diffuse_share = 0;
-        if (not_metal > 0) {
-            const Rgb diffuse_albedo =
-                (weight * not_metal * std::max(1 - s_o, 0.0f)) * m.base_color;
-            diffuse_ = mean_s_ < 1 ? diffuse_albedo * (kInvPi / (1 - mean_s_)) : Rgb(0);
-            diffuse_share = mean_component(diffuse_albedo);
-        }
-        albedo_ = specular_share + diffuse_share;
-        p_specular_ = diffuse_share > 0 ? specular_share / albedo_ : 1.0f;
+        make_diffuse(m, not_metal, weight, s_o, mean_component(specular_albedo));
     }
 
     // Estimated albedo, mean of the channels, with the weight.
     float albedo() const { return albedo_; }
     float specular_probability() const { return p_specular_; }
+    // Of diffuse samples: the share that leaves on the other side.
+    float through_probability() const {
+        if constexpr (kExtended) return extension_.p_through;
+        return 0;
+    }
 
     // What the diffuse lobe is multiplied by when it is tilted against the surface, for the part
     // that the surface hides; cos_tilt in (0, 1]. The lobe is taken as a cosine less a part that
@@ -120,14 +126,24 @@ class OpaqueLayer {
     LobeValue eval_specular(const Vec3f& wi) const {
         if (delta_) return {};
         const GgxReflection r = ggx_.eval_reflection(wo_, slant_o_, wi);
+        if constexpr (kExtended) {
+            if (extension_.has_film) return {r.value_cos * extension_.film.at(r.cos_d), r.pdf};
+        }
         const Rgb fresnel = normal_ + schlick_weight(r.cos_d) * (grazing_ - normal_);
         return {r.value_cos * fresnel, r.pdf};
     }
 
-    // The diffuse lobe for a cosine > 0 to the normal; density of the lobe alone.
-    LobeValue eval_diffuse(float cos_i) const {
+    // The diffuse lobe for a cosine > 0 to the normal, on wo's side or through; density of the lobe
+    // alone.
+    LobeValue eval_diffuse(float cos_i, bool through = false) const {
         if (p_specular_ == 1) return {};
         const float escaping = std::max(1 - dielectric_albedo(cos_i), 0.0f);
+        if constexpr (kExtended) {
+            const float p = extension_.p_through;
+            if (through)
+                return {(escaping * cos_i) * extension_.diffuse_through, p * (cos_i * kInvPi)};
+            return {(escaping * cos_i) * diffuse_, (1 - p) * (cos_i * kInvPi)};
+        }
         return {(escaping * cos_i) * diffuse_, cos_i * kInvPi};
     }
 
@@ -138,8 +154,116 @@ class OpaqueLayer {
     }
 
   private:
+    struct Absent {};
+
+    bool is_anisotropic() const {
+        if constexpr (kExtended) return extension_.is_anisotropic;
+        return false;
+    }
+    bool has_film() const {
+        if constexpr (kExtended) return extension_.has_film;
+        return false;
+    }
+
+    void make_distribution(const ShadingParams& m) {
+        if constexpr (kExtended) {
+            if (extension_.is_anisotropic) {
+                const float across = std::max(m.alpha, kDeltaAlpha);
+                const float along = anisotropic_alpha(across, m.anisotropy);
+                ggx_ = Ggx(along, across);
+                slant_o_ = ggx_.slant(wo_);
+                extension_.alpha = std::sqrt(along * across);
+                row_ = AlbedoRow(extension_.alpha);
+                extension_.anisotropic = AnisotropicAlbedo(across, m.anisotropy);
+                return;
+            }
+            extension_.alpha = m.alpha;
+        }
+        ggx_ = Ggx(m.alpha);
+        slant_o_ = ggx_.slant(wo_);
+        row_ = AlbedoRow(m.alpha);
+    }
+
+    // Both reflectances under the film; returns the specular albedo.
+    Rgb make_film(const ShadingParams& m, float metallic, const Rgb& dielectric, float specular,
+                  float weight, float& s_o) {
+        Rgb albedo(0);
+        if constexpr (kExtended) {
+            FilmNodes mixed;
+            for (std::size_t k = 0; k < mixed.f.size(); ++k) {
+                const float mu = FilmNodes::cosine(static_cast<int>(k));
+                const float grazing = schlick_weight(mu);
+                const auto under_film = [&](const Rgb& f0, float f90) {
+                    const Rgb plain = f0 + grazing * (Rgb(f90) - f0);
+                    const Rgb film =
+                        film_reflectance(mu, m.iridescence_ior, m.iridescence_thickness, f0);
+                    return plain + m.iridescence * (film - plain);
+                };
+                const Rgb base = metallic < 1 ? under_film(dielectric, specular) : Rgb(0);
+                const Rgb metal = metallic > 0 ? under_film(m.base_color, 1) : Rgb(0);
+                extension_.dielectric.f[k] = Rgb(max_component(base));
+                mixed.f[k] = base + metallic * (metal - base);
+            }
+            Rgb scale(weight);
+            if (!delta_) {
+                make_distribution(m);
+                scale += (weight * directional_albedo(wo_).lost()) * mixed.at(wo_.z);
+            }
+            for (std::size_t k = 0; k < mixed.f.size(); ++k)
+                extension_.film.f[k] = scale * mixed.f[k];
+            albedo = delta_ ? extension_.film.at(wo_.z)
+                            : film_albedo(extension_.film, extension_.alpha, wo_.z);
+            normal_ = albedo;
+            s_o = dielectric_albedo(wo_.z);
+            mean_s_ = hemisphere_mean([&](float mu) { return dielectric_albedo(mu); });
+        }
+        return albedo;
+    }
+
+    void make_diffuse(const ShadingParams& m, float not_metal, float weight, float s_o,
+                      float specular_share) {
+        float diffuse_share = 0;
+        if (not_metal > 0) {
+            const float enters = weight * not_metal * std::max(1 - s_o, 0.0f);
+            const float scale = mean_s_ < 1 ? kInvPi / (1 - mean_s_) : 0.0f;
+            Rgb reflected = enters * m.base_color;
+            diffuse_share = mean_component(reflected);
+            if constexpr (kExtended) {
+                if (m.diffuse_transmission > 0) {
+                    reflected = (1 - m.diffuse_transmission) * reflected;
+                    const Rgb through =
+                        (enters * m.diffuse_transmission) * m.diffuse_transmission_color;
+                    const float through_share = mean_component(through);
+                    diffuse_share = mean_component(reflected) + through_share;
+                    if (diffuse_share > 0) extension_.p_through = through_share / diffuse_share;
+                    extension_.diffuse_through = through * scale;
+                }
+            }
+            diffuse_ = reflected * scale;
+        }
+        albedo_ = specular_share + diffuse_share;
+        p_specular_ = diffuse_share > 0 ? specular_share / albedo_ : 1.0f;
+    }
+
+    // Albedo of the distribution for a direction in the local frame.
+    SchlickAlbedo directional_albedo(const Vec3f& w) const {
+        if constexpr (kExtended) {
+            if (extension_.is_anisotropic) return extension_.anisotropic(w);
+        }
+        return row_(w.z);
+    }
+
     // S: the dielectric specular lobe's directional albedo in its largest channel.
     float dielectric_albedo(float mu) const {
+        if constexpr (kExtended) {
+            if (extension_.has_film) {
+                const float normal = extension_.dielectric.at(mu).x;
+                if (delta_) return normal;
+                const float single = film_albedo(extension_.dielectric, extension_.alpha, mu).x;
+                return std::min(single * (1 + normal * row_(mu).lost()), 1.0f);
+            }
+            if (extension_.is_anisotropic) return compensated(extension_.anisotropic.around(mu));
+        }
         if (delta_) return f0_ + (f90_ - f0_) * schlick_weight(mu);
         return compensated(row_(mu));
     }
@@ -160,6 +284,7 @@ class OpaqueLayer {
     float albedo_ = 0;
     float p_specular_ = 0;
     bool delta_ = false;
+    [[no_unique_address]] std::conditional_t<kExtended, OpaqueExtension, Absent> extension_;
 };
 
 }  // namespace talbot

@@ -14,6 +14,36 @@ void note_slot(EffectReport& report, Effect effect, const TextureSlot& slot,
     if (slot.has_transform) report.note(Effect::uv_transform, who);
 }
 
+// Lobes of the extensions: each with its textures, none where its factor is zero.
+void note_layers(EffectReport& report, const Material& m, const std::string& who) {
+    if (m.diffuse_transmission_factor > 0 && m.metallic_factor < 1) {
+        report.note(Effect::diffuse_transmission, who);
+        note_slot(report, Effect::diffuse_transmission, m.diffuse_transmission_texture, who);
+        note_slot(report, Effect::diffuse_transmission, m.diffuse_transmission_color_texture, who);
+    }
+    if (m.clearcoat_factor > 0) {
+        report.note(Effect::clearcoat, who);
+        note_slot(report, Effect::clearcoat, m.clearcoat_texture, who);
+        note_slot(report, Effect::clearcoat, m.clearcoat_roughness_texture, who);
+        note_slot(report, Effect::clearcoat, m.clearcoat_normal_texture, who);
+    }
+    if (m.has_sheen()) {
+        report.note(Effect::sheen, who);
+        note_slot(report, Effect::sheen, m.sheen_color_texture, who);
+        note_slot(report, Effect::sheen, m.sheen_roughness_texture, who);
+    }
+    const bool reflects = m.metallic_factor > 0 || m.specular_factor > 0;
+    if (m.anisotropy_strength > 0 && reflects) {
+        report.note(Effect::anisotropy, who);
+        note_slot(report, Effect::anisotropy, m.anisotropy_texture, who);
+    }
+    if (m.iridescence_factor > 0 && reflects) {
+        report.note(Effect::iridescence, who);
+        note_slot(report, Effect::iridescence, m.iridescence_texture, who);
+        note_slot(report, Effect::iridescence, m.iridescence_thickness_texture, who);
+    }
+}
+
 void note_material(EffectReport& report, const Material& material, const std::string& who) {
     if (!material.double_sided && !material.is_volume()) report.note(Effect::single_sided, who);
     if (material.alpha_mode != AlphaMode::opaque) {
@@ -50,14 +80,17 @@ void note_material(EffectReport& report, const Material& material, const std::st
     if (material.transmission_factor > 0) {
         report.note(Effect::transmission, who);
         note_slot(report, Effect::transmission, material.transmission_texture, who);
-        if (material.thickness_factor > 0) {
-            const bool absorbs =
-                is_finite(material.attenuation_distance) && material.attenuation_color != Rgb(1);
-            if (absorbs) report.note(Effect::volume_absorption, who);
-        } else {
+        if (!(material.thickness_factor > 0)) {
             report.note(Effect::thin_wall, who);
+        } else if (material.dispersion > 0 && material.ior > 1) {
+            report.note(Effect::dispersion, who);
         }
     }
+    if (material.is_volume() && is_finite(material.attenuation_distance) &&
+        material.attenuation_color != Rgb(1)) {
+        report.note(Effect::volume_absorption, who);
+    }
+    note_layers(report, material, who);
 }
 
 }  // namespace

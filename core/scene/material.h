@@ -47,10 +47,47 @@ struct Material {
     Rgb attenuation_color{1};    // white light's colour after attenuation_distance metres of world length
     float attenuation_distance = std::numeric_limits<float>::infinity();
 
+    float dispersion = 0;  // KHR_materials_dispersion: 20 / Abbe number; volumes only
+
+    float diffuse_transmission_factor = 0;  // KHR_materials_diffuse_transmission
+    TextureSlot diffuse_transmission_texture;  // A
+    Rgb diffuse_transmission_color_factor{1};
+    TextureSlot diffuse_transmission_color_texture;  // sRGB
+
+    float clearcoat_factor = 0;      // KHR_materials_clearcoat
+    TextureSlot clearcoat_texture;   // R
+    float clearcoat_roughness_factor = 0;
+    TextureSlot clearcoat_roughness_texture;  // G
+    TextureSlot clearcoat_normal_texture;
+    float clearcoat_normal_scale = 1;
+
+    Rgb sheen_color_factor{0};        // KHR_materials_sheen
+    TextureSlot sheen_color_texture;  // sRGB
+    float sheen_roughness_factor = 0;
+    TextureSlot sheen_roughness_texture;  // A
+
+    float anisotropy_strength = 0;   // KHR_materials_anisotropy
+    float anisotropy_rotation = 0;   // radians, from the tangent towards the bitangent
+    TextureSlot anisotropy_texture;  // RG = direction, B = strength
+
+    float iridescence_factor = 0;     // KHR_materials_iridescence
+    TextureSlot iridescence_texture;  // R
+    float iridescence_ior = 1.3f;
+    float iridescence_thickness_minimum = 100;  // nanometres, where the texture is 0
+    float iridescence_thickness_maximum = 400;  // where it is 1, or where there is none
+    TextureSlot iridescence_thickness_texture;  // G
+
     bool is_emissive() const {
         return emissive_strength > 0 && (emissive_factor.x > 0 || emissive_factor.y > 0 || emissive_factor.z > 0);
     }
-    bool is_volume() const { return transmission_factor > 0 && thickness_factor > 0; }
+    // Whether light can pass its surface into a closed volume.
+    bool is_volume() const {
+        return (transmission_factor > 0 || diffuse_transmission_factor > 0) &&
+               thickness_factor > 0;
+    }
+    bool has_sheen() const {
+        return sheen_color_factor.x > 0 || sheen_color_factor.y > 0 || sheen_color_factor.z > 0;
+    }
 };
 
 }  // namespace talbot

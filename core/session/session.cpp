@@ -261,11 +261,10 @@ class RenderSession::Impl {
                 false);
     }
 
-    // As of the last power of two.
     bool target_met() const {
-        const ErrorEstimate& error = tracker_.estimate();
-        return policy_.target_error_percent > 0 && error.valid &&
-               error.hi95 <= policy_.target_error_percent;
+        if (!(policy_.target_error_percent > 0)) return false;
+        const ErrorEstimate error = tracker_.at(passes_, render_seconds_);
+        return error.valid && error.hi95 <= policy_.target_error_percent;
     }
 
     double spent_seconds() const { return render_seconds_ - resumed_seconds_; }
@@ -340,7 +339,7 @@ class RenderSession::Impl {
         const bool out_of_time =
             policy_.time_limit_seconds > 0 && spent_seconds() >= policy_.time_limit_seconds;
         if (out_of_time && passes_ > 0) stop_reached_ = true;
-        if (complete && std::has_single_bit(passes_) && target_met()) stop_reached_ = true;
+        if (complete && target_met()) stop_reached_ = true;
         if (complete || stop_reached_) publish_pass();
     }
 

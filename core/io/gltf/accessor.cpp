@@ -159,6 +159,9 @@ size_t component_size(int component_type) {
     }
 }
 
+// Of an accessor without a buffer view.
+constexpr size_t kMostImplicitElements = size_t{1} << 16;
+
 Result<AccessorView> open_accessor(const Document& document, int index) {
     const tinygltf::Accessor& accessor = document.model.accessors[static_cast<size_t>(index)];
     const std::string element = element_name("accessors", static_cast<size_t>(index));
@@ -194,6 +197,12 @@ Result<AccessorView> open_accessor(const Document& document, int index) {
                           size, view.count);
         if (!bytes) return bytes.error();
         view.data = bytes->data;
+    } else if (view.count > kMostImplicitElements) {
+        // Zeros cost a file nothing, so a small one could ask for any amount of memory.
+        return document.error(element, "declares " + std::to_string(view.count) +
+                                           " elements without a buffer view; at most " +
+                                           std::to_string(kMostImplicitElements) +
+                                           " zeros are made up");
     }
     if (accessor.sparse.isSparse) {
         if (Status sparse = open_sparse(document, accessor, element, view); !sparse)

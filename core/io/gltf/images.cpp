@@ -2,6 +2,7 @@
 #include "core/io/gltf/images.h"
 
 #include "core/io/gltf/uri.h"
+#include "core/io/gltf/values.h"
 #include "core/io/image_codecs.h"
 #include "core/io/image_io.h"
 
@@ -44,6 +45,17 @@ Result<EncodedImage> encoded_image(const Document& document, size_t index, uint6
 }
 
 }  // namespace
+
+std::optional<uint32_t> image_of_texture(const tinygltf::Texture& texture) {
+    for (const char* name : {"KHR_texture_basisu", "EXT_texture_webp"}) {
+        const tinygltf::Value* extension = find_extension_value(texture.extensions, name);
+        if (!extension) continue;
+        if (const std::optional<uint32_t> source = index_member(*extension, "source"))
+            return source;
+    }
+    if (texture.source < 0) return std::nullopt;
+    return static_cast<uint32_t>(texture.source);
+}
 
 Result<std::shared_ptr<const Image8>> load_image8(const Document& document, size_t index,
                                                   MemoryBudget& budget, uint64_t max_bytes) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/io/gltf/images.h"
 #include "core/io/gltf/values.h"
 #include "core/math/robust.h"
 
@@ -89,6 +90,64 @@ class MaterialConverter {
             out.transmission_texture = slot(*e, "transmissionTexture");
         }
         if (const auto* e = extension("KHR_materials_volume")) convert_volume(*e, out);
+        if (const auto* e = extension("KHR_materials_dispersion"))
+            out.dispersion = limited(number_member(*e, "dispersion", 0), 0, kLargestFactor);
+        if (const auto* e = extension("KHR_materials_diffuse_transmission"))
+            convert_diffuse_transmission(*e, out);
+        if (const auto* e = extension("KHR_materials_clearcoat")) convert_clearcoat(*e, out);
+        if (const auto* e = extension("KHR_materials_sheen")) convert_sheen(*e, out);
+        if (const auto* e = extension("KHR_materials_anisotropy")) convert_anisotropy(*e, out);
+        if (const auto* e = extension("KHR_materials_iridescence")) convert_iridescence(*e, out);
+    }
+
+    void convert_diffuse_transmission(const tinygltf::Value& in, Material& out) {
+        out.diffuse_transmission_factor =
+            limited(number_member(in, "diffuseTransmissionFactor", 0), 0, 1);
+        out.diffuse_transmission_texture = slot(in, "diffuseTransmissionTexture");
+        double color[3] = {1, 1, 1};
+        numbers_member(in, "diffuseTransmissionColorFactor", 3, color);
+        out.diffuse_transmission_color_factor = color_of(color, 1);
+        out.diffuse_transmission_color_texture = slot(in, "diffuseTransmissionColorTexture");
+    }
+
+    void convert_clearcoat(const tinygltf::Value& in, Material& out) {
+        out.clearcoat_factor = limited(number_member(in, "clearcoatFactor", 0), 0, 1);
+        out.clearcoat_texture = slot(in, "clearcoatTexture");
+        out.clearcoat_roughness_factor =
+            limited(number_member(in, "clearcoatRoughnessFactor", 0), 0, 1);
+        out.clearcoat_roughness_texture = slot(in, "clearcoatRoughnessTexture");
+        out.clearcoat_normal_texture = slot(in, "clearcoatNormalTexture");
+        if (const tinygltf::Value* map = member(in, "clearcoatNormalTexture")) {
+            out.clearcoat_normal_scale =
+                limited(number_member(*map, "scale", 1), -kLargestFactor, kLargestFactor);
+        }
+    }
+
+    void convert_sheen(const tinygltf::Value& in, Material& out) {
+        double color[3] = {0, 0, 0};
+        numbers_member(in, "sheenColorFactor", 3, color);
+        out.sheen_color_factor = color_of(color, 1);
+        out.sheen_color_texture = slot(in, "sheenColorTexture");
+        out.sheen_roughness_factor = limited(number_member(in, "sheenRoughnessFactor", 0), 0, 1);
+        out.sheen_roughness_texture = slot(in, "sheenRoughnessTexture");
+    }
+
+    void convert_anisotropy(const tinygltf::Value& in, Material& out) {
+        out.anisotropy_strength = limited(number_member(in, "anisotropyStrength", 0), 0, 1);
+        out.anisotropy_rotation =
+            limited(number_member(in, "anisotropyRotation", 0), -kLargestFactor, kLargestFactor);
+        out.anisotropy_texture = slot(in, "anisotropyTexture");
+    }
+
+    void convert_iridescence(const tinygltf::Value& in, Material& out) {
+        out.iridescence_factor = limited(number_member(in, "iridescenceFactor", 0), 0, 1);
+        out.iridescence_texture = slot(in, "iridescenceTexture");
+        out.iridescence_ior = limited(number_member(in, "iridescenceIor", 1.3), 1, kLargestFactor);
+        out.iridescence_thickness_minimum =
+            limited(number_member(in, "iridescenceThicknessMinimum", 100), 0, kLargestFactor);
+        out.iridescence_thickness_maximum =
+            limited(number_member(in, "iridescenceThicknessMaximum", 400), 0, kLargestFactor);
+        out.iridescence_thickness_texture = slot(in, "iridescenceThicknessTexture");
     }
 
     void convert_volume(const tinygltf::Value& in, Material& out) {
@@ -197,7 +256,8 @@ class MaterialConverter {
         if (mapped != kNoTexture) return mapped;
         const tinygltf::Model& model = loading_.document.model;
         const tinygltf::Texture& in = model.textures[index];
-        if (in.source < 0) {
+        const std::optional<uint32_t> image = image_of_texture(in);
+        if (!image) {
             warn("textures[" + std::to_string(index) +
                  "] has no image that can be read; it is left out");
             return kNoTexture;
@@ -212,7 +272,7 @@ class MaterialConverter {
         }
         mapped = static_cast<uint32_t>(loading_.desc.textures.size());
         loading_.desc.textures.push_back(out);
-        tables_.image_of.push_back(static_cast<uint32_t>(in.source));
+        tables_.image_of.push_back(*image);
         return mapped;
     }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/io/gltf/accessor.h"
+#include "core/io/gltf/draco.h"
 #include "core/io/gltf/tangents.h"
 #include "core/math/robust.h"
 
@@ -34,11 +35,12 @@ class PrimitiveLoader {
             return std::move(result_);
         }
         for (const auto step :
-             {&PrimitiveLoader::read_triangles, &PrimitiveLoader::read_positions,
-              &PrimitiveLoader::read_normals, &PrimitiveLoader::read_tangents,
-              &PrimitiveLoader::read_texture_coordinates, &PrimitiveLoader::read_colors}) {
+             {&PrimitiveLoader::read_compressed, &PrimitiveLoader::read_triangles,
+              &PrimitiveLoader::read_positions, &PrimitiveLoader::read_normals,
+              &PrimitiveLoader::read_tangents, &PrimitiveLoader::read_texture_coordinates,
+              &PrimitiveLoader::read_colors}) {
             if (Status done = (this->*step)(); !done) return done.error();
-            if (mesh_.indices.empty()) return std::move(result_);
+            if (is_empty_) return std::move(result_);
         }
         drop_unused_vertices();
         repair_normals();
@@ -71,8 +73,30 @@ class PrimitiveLoader {
         return Done{};
     }
 
+    Status read_compressed() {
+        if (!is_draco(in_)) return Done{};
+        Result<DracoMesh> draco = decode_draco(document_, in_, element_, budget_, max_bytes_);
+        if (!draco) return draco.error();
+        draco_ = std::move(draco.value());
+        return Done{};
+    }
+
+    // Compressed attributes take the place of their accessors.
+    Result<AccessorView> open(const std::string& name) const {
+        if (draco_) {
+            const auto found = draco_->attributes.find(name);
+            if (found != draco_->attributes.end()) return found->second.view;
+        }
+        return open_accessor(document_, attribute(name));
+    }
+
     // The order in which vertices are drawn.
     Status read_order(size_t vertex_count, std::vector<uint32_t>& order) {
+        if (draco_) {
+            if (draco_->point_count != vertex_count) return fail("has the wrong count of vertices");
+            order = std::move(draco_->indices);
+            return Done{};
+        }
         if (in_.indices < 0) {
             if (vertex_count > 0xFFFFFFFFull) return fail("has more than 2^32 vertices");
             if (Status done = allocate(order, vertex_count); !done) return done;
@@ -98,16 +122,17 @@ class PrimitiveLoader {
     }
 
     Status read_triangles() {
-        const Result<AccessorView> positions = open_accessor(document_, attribute("POSITION"));
+        const Result<AccessorView> positions = open("POSITION");
         if (!positions) return positions.error();
         vertex_count_ = positions->count;
         std::vector<uint32_t> order;
         if (Status done = read_order(vertex_count_, order); !done) return done;
         if (order.size() < 3) {
             warn("has fewer than three indices; it is not drawn");
+            is_empty_ = true;
             return Done{};
         }
-        if (in_.mode == TINYGLTF_MODE_TRIANGLES) {
+        if (in_.mode == TINYGLTF_MODE_TRIANGLES || draco_) {
             if (order.size() % 3 != 0) {
                 warn("the number of indices is not a multiple of three; the rest is not drawn");
                 order.resize(order.size() - order.size() % 3);
@@ -120,7 +145,8 @@ class PrimitiveLoader {
         }
         drop_collapsed();
         const auto [low, high] = std::minmax_element(mesh_.indices.begin(), mesh_.indices.end());
-        if (low == mesh_.indices.end()) return Done{};
+        is_empty_ = low == mesh_.indices.end();
+        if (is_empty_) return Done{};
         first_ = *low;
         used_ = size_t{*high} - *low + 1;
         for (uint32_t& index : mesh_.indices) index -= static_cast<uint32_t>(first_);
@@ -165,7 +191,7 @@ class PrimitiveLoader {
     // least.
     Result<AccessorView> open_attribute(const std::string& name, size_t width_min,
                                         size_t width_max) {
-        Result<AccessorView> view = open_accessor(document_, attribute(name));
+        Result<AccessorView> view = open(name);
         if (!view) return view.error();
         if (view->count != vertex_count_) {
             return fail("attribute " + name + " has " + std::to_string(view->count) +
@@ -199,6 +225,7 @@ class PrimitiveLoader {
         if (dropped > 0)
             warn("positions that are not finite: " + std::to_string(dropped) +
                  " triangles are not drawn");
+        is_empty_ = mesh_.indices.empty();
         return Done{};
     }
 
@@ -309,6 +336,8 @@ class PrimitiveLoader {
     uint64_t max_bytes_;
     PrimitiveResult result_;
     Mesh mesh_;
+    std::optional<DracoMesh> draco_;
+    bool is_empty_ = false;    // nothing of it can be drawn
     size_t vertex_count_ = 0;  // of the accessor
     size_t first_ = 0;         // the used vertices are [first_, first_ + used_)
     size_t used_ = 0;

@@ -64,6 +64,7 @@ class StructureCheck {
         if (!error_) check_tables();
         if (!error_) check_meshes();
         if (!error_) check_accessors();
+        if (!error_) check_texture_extensions();
         if (!error_) check_materials();
         if (!error_) check_animations();
         if (error_) return *error_;
@@ -233,6 +234,18 @@ class StructureCheck {
             }
             check_texture_references(value, name);
         }
+    }
+
+    // Images in formats that extensions bring.
+    void check_texture_extensions() {
+        for_each("textures", [&](const Json& texture, const std::string& element) {
+            const auto extensions = texture.find("extensions");
+            if (extensions == texture.end() || !extensions->is_object()) return;
+            for (const auto& [key, value] : extensions->items()) {
+                if (value.is_object())
+                    check_integer(value, "source", "images", false, element + ".extensions." + key);
+            }
+        });
     }
 
     void check_materials() {

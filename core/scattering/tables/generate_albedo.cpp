@@ -1,7 +1,5 @@
 // Build-time program: integrates the directional albedos of GGX in double and writes them as
-// initialisers. Usage: generate_albedo DIRECTORY. Integrals run over the unit square of
-// visible-normal sampling, where the weight G2 / G1 has no peak at any alpha: midpoint rule in the
-// azimuth (periodic) and in v with u = (1 - cos pi v) / 2.
+// initialisers. Usage: generate_albedo DIRECTORY.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,116 +7,53 @@
 #include <initializer_list>
 #include <iomanip>
 #include <iostream>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "core/scattering/albedo_grid.h"
+#include "core/scattering/tables/facets.h"
 
 namespace {
 
-constexpr double kPiD = std::numbers::pi;
+using namespace talbot::tables;
+
 // Column from which the limit at grazing is taken.
 constexpr double kFirstColumn = 0.02;
 
-double slant(double alpha, double sin_theta, double cos_theta) {
-    return std::sqrt(alpha * alpha * sin_theta * sin_theta + cos_theta * cos_theta);
-}
-
-double fifth_power(double x) {
-    return x * x * x * x * x;
-}
-
-// Nodes of the unit square of visible-normal sampling: half the turn, by symmetry, in equal steps;
-// the other coordinate in steps that start elsewhere on each column, so that jumps along curves
-// average out.
-struct Rule {
-    struct Node {
-        double cos_phi, sin_phi, u, weight;
-    };
-    std::vector<Node> nodes;
-
-    explicit Rule(int n) {
-        double sum = 0;
-        for (int j = 0; j < n; ++j) {
-            const double phi = kPiD * (j + 0.5) / n;
-            const double turns = (j + 0.5) * (std::numbers::phi - 1);
-            const double shift = turns - std::floor(turns);
-            for (int i = 0; i < n; ++i) {
-                const double v = kPiD * (i + shift) / n;
-                nodes.push_back(
-                    {std::cos(phi), std::sin(phi), 0.5 * (1 - std::cos(v)), std::sin(v)});
-                sum += std::sin(v);
-            }
-        }
-        for (Node& node : nodes) node.weight /= sum;
-    }
-};
-
-// A view direction and the microfacets it sees.
-struct Facets {
-    double mu, alpha, slant_o;
-
-    Facets(double cos_theta, double a)
-        : mu(cos_theta), alpha(a), slant_o(slant(a, std::sqrt(1 - mu * mu), mu)) {}
-
-    // visit(weight, cosine of the facet to the view, z of the facet) for each facet.
-    template <typename Visit>
-    void for_each(const Rule& rule, const Visit& visit) const {
-        const double sin_o = std::sqrt(1 - mu * mu);
-        const double w_x = alpha * sin_o / slant_o;
-        const double w_z = mu / slant_o;
-        for (const Rule::Node& node : rule.nodes) {
-            const double t = node.u * (1 + w_z);
-            const double r = std::sqrt(t * (2 - t));
-            const double x = alpha * (r * node.cos_phi + w_x);
-            const double y = alpha * r * node.sin_phi;
-            const double z = (1 - node.u) * (1 + w_z);
-            const double inv = 1 / std::sqrt(x * x + y * y + z * z);
-            visit(node.weight, std::min((sin_o * x + mu * z) * inv, 1.0), z * inv);
-        }
-    }
-
-    // G2 / G1 for an outgoing direction with cosine z_i > 0 on either side.
-    double shadowing(double z_i) const {
-        const double slant_i = slant(alpha, std::sqrt(std::max(0.0, 1 - z_i * z_i)), z_i);
-        return z_i * (mu + slant_o) / (z_i * slant_o + mu * slant_i);
-    }
-};
-
-struct Node {
+// Albedo at Fresnel 1, and what Schlick's weight adds to it: b - e (1 - mu)^5.
+struct Entry {
     double e = 1;
     double residual = 0;
 };
 
-std::vector<Node> integrate_reflection(double alpha, const Rule& rule) {
-    std::vector<Node> row(talbot::kReflectionGrid.columns);
+std::vector<Entry> integrate_reflection(double alpha, const Rule& rule) {
+    std::vector<Entry> row(talbot::kReflectionGrid.columns);
     for (int i = 0; i < talbot::kReflectionGrid.columns; ++i) {
         const Facets facets(talbot::kReflectionGrid.column_mu(i, alpha), alpha);
         double e = 0;  // at Fresnel 1
         double b = 0;  // weighted by (1 - cos_d)^5
-        facets.for_each(rule, [&](double weight, double cos_d, double h_z) {
-            const double z_i = 2 * cos_d * h_z - facets.mu;
+        facets.for_each(rule, [&](double weight, double cos_d, const Direction& h) {
+            const double z_i = 2 * cos_d * h.z - facets.wo.z;
             if (!(z_i > 0)) return;
             const double w = weight * facets.shadowing(z_i);
             e += w;
             b += w * fifth_power(1 - cos_d);
         });
-        Node& node = row[static_cast<std::size_t>(i)];
+        Entry& node = row[static_cast<std::size_t>(i)];
         node.e = i == 0 ? 1 : e;  // nothing is lost at grazing
-        node.residual = b - node.e * fifth_power(1 - facets.mu);
+        node.residual = b - node.e * fifth_power(1 - facets.wo.z);
     }
     return row;
 }
 
 // Means of a, b and a (1 - e) / e over the cosine-weighted hemisphere, of the row as it will be
 // interpolated.
-std::array<double, 3> mean_of_row(const std::vector<Node>& row, double alpha) {
+std::array<double, 3> mean_of_row(const std::vector<Entry>& row, double alpha) {
     constexpr int kSubsteps = 16;
     std::array<double, 3> mean{};
     for (int i = 0; i + 1 < talbot::kReflectionGrid.columns; ++i) {
-        const Node& p = row[static_cast<std::size_t>(i)];
-        const Node& q = row[static_cast<std::size_t>(i) + 1];
+        const Entry& p = row[static_cast<std::size_t>(i)];
+        const Entry& q = row[static_cast<std::size_t>(i) + 1];
         const auto mu_at = [&](double f) {
             return talbot::kReflectionGrid.column_mu(i + f, alpha);
         };
@@ -144,8 +79,8 @@ void integrate_glass(double mu, double alpha, const Rule& rule, const std::vecto
                      std::vector<double>& albedos) {
     const Facets facets(mu, alpha);
     albedos.assign(etas.size(), 0.0);
-    facets.for_each(rule, [&](double weight, double c, double h_z) {
-        const double z_reflected = 2 * c * h_z - mu;
+    facets.for_each(rule, [&](double weight, double c, const Direction& h) {
+        const double z_reflected = 2 * c * h.z - mu;
         const double reflected = z_reflected > 0 ? weight * facets.shadowing(z_reflected) : 0;
         for (std::size_t k = 0; k < etas.size(); ++k) {
             const double n = etas[k];
@@ -158,7 +93,7 @@ void integrate_glass(double mu, double alpha, const Rule& rule, const std::vecto
             const double s = (c - n * ct) / (c + n * ct);
             const double p = (n * c - ct) / (n * c + ct);
             const double fresnel = 0.5 * (s * s + p * p);
-            const double z_refracted = (ct - c / n) * h_z + mu / n;
+            const double z_refracted = (ct - c / n) * h.z + mu / n;
             const double transmitted = z_refracted > 0 ? weight * facets.shadowing(z_refracted) : 0;
             albedos[k] += transmitted + fresnel * (reflected - transmitted);
         }
@@ -208,8 +143,8 @@ int main(int argc, char** argv) {
     const Rule rule(72);
     for (int j = 0; j < talbot::kReflectionGrid.rows; ++j) {
         const double alpha = talbot::kReflectionGrid.row_alpha(j);
-        const std::vector<Node> row = integrate_reflection(alpha, rule);
-        for (const Node& node : row) write_numbers(table, {node.e, node.residual});
+        const std::vector<Entry> row = integrate_reflection(alpha, rule);
+        for (const Entry& node : row) write_numbers(table, {node.e, node.residual});
         const std::array<double, 3> mean = mean_of_row(row, alpha);
         write_numbers(means, {mean[0], mean[1], mean[2]});
     }

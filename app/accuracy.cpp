@@ -1,0 +1,225 @@
+#include "app/accuracy.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "app/accuracy_report.h"
+#include "app/exit_code.h"
+#include "core/base/log.h"
+#include "core/io/image_io.h"
+
+namespace talbot {
+namespace {
+
+struct AccuracyOptions {
+    std::vector<std::string> sweeps;
+    double target_percent = 0;
+    double budget_seconds = 60;
+    std::string html, json, csv, png;
+    std::vector<std::string> rest;  // for the render options
+};
+
+Error usage(const std::string& what) {
+    return {ErrorKind::usage, "", "accuracy", what};
+}
+
+// Empty when help was printed.
+Result<std::optional<AccuracyOptions>> parse(std::span<const std::string> args) {
+    AccuracyOptions o;
+    CLI::App app("What accuracy costs on a scene: error against seconds for each setting",
+                 "talbot accuracy");
+    app.allow_extras();
+    app.add_option(
+           "--sweep", o.sweeps,
+           "KEY=v1,v2: max-depth, sampler, filter, roulette, nee, effects, tile-size; may be "
+           "repeated")
+        ->allow_extra_args(false);
+    app.add_option("--target-error", o.target_percent,
+                   "relative error in per cent; default what the settings as given reach");
+    app.add_option("--budget", o.budget_seconds, "seconds of rendering for all together (60)");
+    app.add_option("--html", o.html, "report in one file");
+    app.add_option("--json", o.json, "figures; - is the standard output");
+    app.add_option("--csv", o.csv, "curves");
+    app.add_option("--png", o.png, "plot");
+    app.footer(
+        "SCENE and the options of a render (--size, --seed, --camera, --environment, --max-depth, "
+        "...) set the base.\nCommands: talbot accuracy certify [SCENE...]");
+    try {
+        app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
+    } catch (const CLI::Success& success) {
+        app.exit(success);
+        return std::optional<AccuracyOptions>();
+    } catch (const CLI::ParseError& error) {
+        std::string what = error.what();
+        std::replace(what.begin(), what.end(), '\n', ' ');
+        return usage(what + "; see talbot accuracy --help");
+    }
+    o.rest = app.remaining();
+    if (!(o.target_percent >= 0) || !std::isfinite(o.target_percent))
+        return usage("--target-error must be above 0 per cent");
+    if (!(o.budget_seconds > 0) || o.budget_seconds > 1e6)
+        return usage("--budget must lie between 0 and 1000000 seconds");
+    return std::optional<AccuracyOptions>(o);
+}
+
+Result<std::optional<Options>> parse_base(const std::vector<std::string>& words) {
+    std::vector<std::string> copies{"talbot"};
+    copies.insert(copies.end(), words.begin(), words.end());
+    std::vector<char*> argv;
+    for (std::string& word : copies) argv.push_back(word.data());
+    return parse_options(static_cast<int>(argv.size()), argv.data());
+}
+
+std::string quoted(const std::string& word) {
+    const bool plain = !word.empty() && word.find_first_not_of(
+                                            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                            "0123456789_-./,=:+") == std::string::npos;
+    if (plain) return word;
+    std::string text = "'";
+    for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return text + "'";
+}
+
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.3g", value);
+    return text;
+}
+
+// The words of the base without what `flags` ("--KEY value") say anew.
+std::string command_of(const std::vector<std::string>& words, const std::string& flags) {
+    const std::string key = flags.substr(0, flags.find(' '));
+    std::string text = "talbot";
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (!key.empty() && words[i] == key) {
+            ++i;
+            continue;
+        }
+        if (!key.empty() && words[i].starts_with(key + "=")) continue;
+        text += " " + quoted(words[i]);
+    }
+    return text + (flags.empty() ? "" : " " + flags);
+}
+
+// What to do, and whether a run bore it out.
+void advise(AccuracyReport& report, const std::vector<std::string>& words,
+            const AccuracyScene& scene, WorkerPool& pool) {
+    const SweepResult* choice = advised(report.outcome);
+    const std::string target = number(report.outcome.target_percent) + " %";
+    if (choice == nullptr) {
+        report.advice = "No configuration is known to reach " + target + ": " +
+                        report.outcome.results.front().to_target.why + ".";
+        return;
+    }
+    const TimeToTarget& t = choice->to_target;
+    report.advice_command = command_of(words, choice->config.flags) + " --target-error " +
+                            number(report.outcome.target_percent) + " --output picture.png";
+    report.advice = "The cheapest configuration that reaches " + target + " is " +
+                    choice->config.label() + ": " + number(t.seconds) + " s (" + number(t.lo95) +
+                    " to " + number(t.hi95) + ")" + (t.measured ? "." : ", predicted.");
+    // A run stops at a power of two, for which up to twice the time is needed.
+    if (4 * t.hi95 > std::max(report.budget_seconds, 4.0)) {
+        report.advice += " Not verified: that would take longer than the budget allows.";
+        return;
+    }
+    report.verification =
+        verify(scene, *choice, report.outcome.target_percent, 4 * t.hi95 + 1, pool);
+    const Verification& v = report.verification;
+    if (!v.done) return;
+    report.advice += v.met ? " Verified with another seed: " : " NOT borne out with another seed: ";
+    report.advice += number(v.error.relrmse_percent) + " % (95 %: " + number(v.error.lo95) +
+                     " to " + number(v.error.hi95) + ") after " + number(v.seconds) + " s.";
+}
+
+void print_table(const AccuracyReport& report) {
+    std::printf("%-26s %-30s %-10s %-9s %-8s %-12s %-6s %s\n", "configuration",
+                ("seconds to " + number(report.outcome.target_percent) + " %").c_str(), "error",
+                "after", "exponent", "bias floor", "trust", "Pareto");
+    for (const SweepResult& r : report.outcome.results) {
+        const TimeToTarget& t = r.to_target;
+        const std::string time = t.valid ? number(t.seconds) + " (" + number(t.lo95) + " to " +
+                                               number(t.hi95) + ")" + (t.measured ? "" : " pred.")
+                                         : "never or unknown";
+        const std::string floor = !r.config.may_be_biased ? "none"
+                                  : r.floor.significant   ? number(r.floor.relrmse_percent) + " %"
+                                                          : "< " + number(r.floor.hi95) + " %";
+        std::printf("%-26s %-30s %-10s %-9s %-8s %-12s %-6s %s\n", r.config.label().c_str(),
+                    time.c_str(), (number(r.last.relrmse_percent) + " %").c_str(),
+                    (number(r.last.seconds) + " s").c_str(), number(r.last.exponent).c_str(),
+                    floor.c_str(), std::string(trust_name(r.last.trust)).c_str(),
+                    r.pareto ? "yes" : "");
+        if (!t.valid) std::printf("  %s\n", t.why.c_str());
+    }
+    std::printf("%s\n", report.advice.c_str());
+    if (!report.advice_command.empty()) std::printf("%s\n", report.advice_command.c_str());
+}
+
+Status write_text(const std::string& file, const std::string& text) {
+    return write_file_atomically(file,
+                                 {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
+Status write_reports(const AccuracyOptions& options, const AccuracyReport& report) {
+    if (options.json == "-") {
+        std::fputs(report_json(report).c_str(), stdout);
+    } else {
+        print_table(report);
+        if (!options.json.empty()) {
+            if (Status s = write_text(options.json, report_json(report)); !s) return s;
+        }
+    }
+    if (!options.csv.empty()) {
+        if (Status s = write_text(options.csv, report_csv(report)); !s) return s;
+    }
+    if (!options.png.empty()) {
+        if (Status s = save_png(options.png, report_plot(report)); !s) return s;
+    }
+    if (options.html.empty()) return Done{};
+    const Result<std::string> html = report_html(report);
+    return html ? write_text(options.html, *html) : Status(html.error());
+}
+
+Status measure(const AccuracyOptions& options, const Options& base) {
+    WorkerPool pool(base.threads);
+    Result<std::vector<SweepConfig>> configs = sweep_configs(base.render, options.sweeps);
+    if (!configs) return configs.error();
+    Result<AccuracyScene> scene = load_accuracy_scene(base, pool);
+    if (!scene) return scene.error();
+    for (SweepConfig& config : *configs) {
+        config.settings.width = scene->setup.settings.width;
+        config.settings.height = scene->setup.settings.height;
+    }
+    AccuracyReport report;
+    report.scene_file = scene->name;
+    report.scene_sha256 = scene->setup.scene->sha256();
+    report.budget_seconds = options.budget_seconds;
+    report.threads = pool.size();
+    report.display = base.display;
+    report.outcome =
+        run_sweep(*scene, {*configs, options.budget_seconds, options.target_percent}, pool);
+    advise(report, options.rest, *scene, pool);
+    return write_reports(options, report);
+}
+
+}  // namespace
+
+int run_accuracy(std::span<const std::string> args) {
+    if (!args.empty() && args.front() == "certify") return run_certify(args.subspan(1));
+    const auto fail = [](const Error& error) {
+        log_error(error.line());
+        return exit_code(error);
+    };
+    const Result<std::optional<AccuracyOptions>> options = parse(args);
+    if (!options) return fail(options.error());
+    if (!*options) return kExitDone;
+    const Result<std::optional<Options>> base = parse_base((*options)->rest);
+    if (!base) return fail(base.error());
+    if (!*base) return kExitDone;
+    set_log_level((*base)->log_level);
+    const Status status = measure(**options, **base);
+    return status ? kExitDone : fail(status.error());
+}
+
+}  // namespace talbot

@@ -1,0 +1,117 @@
+#include "app/accuracy_render.h"
+
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <filesystem>
+
+#include "app/checkpoint.h"
+#include "core/session/render_pass.h"
+
+namespace talbot {
+namespace {
+
+constexpr std::size_t kReferenceParts = 4;
+constexpr uint64_t kReferenceSeed = 0x7265666572656E63;  // "referenc"
+
+double process_cpu_seconds() {
+    timespec t{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+}  // namespace
+
+Result<AccuracyScene> load_accuracy_scene(const Options& options, WorkerPool& pool) {
+    Result<SceneSetup> setup = set_up_scene(options, pool);
+    if (!setup) return setup.error();
+    AccuracyScene scene;
+    scene.name = scene_path(options).filename().string();
+    scene.setup = std::move(*setup);
+    scene.render_scene = std::make_shared<const RenderScene>(scene.setup.scene);
+    scene.effects = analyse_effects(*scene.setup.scene, scene.setup.camera);
+    return scene;
+}
+
+MeasuredRender::MeasuredRender(const AccuracyScene& scene, const RenderSettings& settings,
+                               WorkerPool& pool)
+    : scene_(scene),
+      settings_(settings),
+      pool_(pool),
+      tier_(smallest_tier(scene.effects.active | settings.forced_on)),
+      film_(settings.width, settings.height) {
+    tracker_.reset(0);
+}
+
+void MeasuredRender::render_unobserved(uint64_t samples) {
+    if (samples <= samples_) return;
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point start = Clock::now();
+    const double cpu_start = process_cpu_seconds();
+    std::stop_source stop;
+    TileCounts counts;
+    render_pass({*scene_.render_scene, scene_.setup.camera, settings_, tier_, samples}, film_,
+                pool_, stop, {}, counts);
+    seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+    cpu_seconds_ += process_cpu_seconds() - cpu_start;
+    rays_ += counts.rays;
+    samples_ = samples;
+}
+
+void MeasuredRender::render_until(uint64_t samples) {
+    while (samples_ < samples) {
+        const uint64_t next = std::bit_ceil(samples_ + 1);
+        render_unobserved(std::min(next, samples));
+        tracker_.observe(film_, samples_, seconds_, &pool_);
+    }
+}
+
+Result<Reference> render_reference(const AccuracyScene& scene, const RenderSettings& settings,
+                                   uint64_t samples, const std::string& cache, WorkerPool& pool) {
+    const uint64_t each = std::bit_ceil((samples + kReferenceParts - 1) / kReferenceParts);
+    std::vector<Film> films;
+    for (std::size_t i = 0; i < kReferenceParts; ++i) {
+        RenderSettings own = settings;
+        own.seed = kReferenceSeed + i;
+        own.first_sample = 0;
+        std::filesystem::path file;
+        if (!cache.empty()) {
+            file = std::filesystem::path(cache) /
+                   (scene.name + "-" + std::to_string(own.width) + "x" +
+                    std::to_string(own.height) + "-" + std::to_string(i) + ".film");
+        }
+        const std::string words = sample_settings(*scene.setup.scene, scene.setup.camera, own);
+        if (!file.empty() && std::filesystem::exists(file)) {
+            Result<FilmFile> stored = load_film(file);
+            if (!stored) return stored.error();
+            const FilmMetadata& m = stored->metadata;
+            if (m.settings == words && m.scene_sha256 == scene.setup.scene->sha256() &&
+                m.seed == own.seed && stored->film.min_samples() >= each) {
+                films.push_back(std::move(stored->film));
+                continue;
+            }
+        }
+        MeasuredRender render(scene, own, pool);
+        render.render_unobserved(each);
+        if (!file.empty()) {
+            const ErrorTracker::State no_octaves;
+            const NonFiniteCount no_count;
+            const FilmView view{render.film(), no_octaves, render.seconds(), render.rays(),
+                                no_count};
+            const Status saved = save_film(
+                file, view.film, film_metadata(*scene.setup.scene, scene.setup.camera, own, view));
+            if (!saved) return saved.error();
+        }
+        films.push_back(render.film());
+    }
+    std::vector<const Film*> parts;
+    for (const Film& film : films) parts.push_back(&film);
+    return make_reference(parts);
+}
+
+double true_error_percent(const Film& film, const Reference& reference) {
+    return 100 * std::sqrt(std::max(0.0, true_relmse(film, reference, metric_constant(0))));
+}
+
+}  // namespace talbot

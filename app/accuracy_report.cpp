@@ -1,0 +1,119 @@
+#include "app/accuracy_report.h"
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace talbot {
+namespace {
+
+using nlohmann::ordered_json;
+
+// JSON has no infinity; null stands for it.
+ordered_json number(double x) {
+    return std::isfinite(x) ? ordered_json(x) : ordered_json();
+}
+
+ordered_json point_json(const CurvePoint& p) {
+    return {{"samples", p.samples},
+            {"seconds", p.seconds},
+            {"cpu_seconds", p.cpu_seconds},
+            {"rays", p.rays},
+            {"relrmse_percent", number(p.relrmse_percent)},
+            {"lo95", number(p.lo95)},
+            {"hi95", number(p.hi95)},
+            {"exponent", p.exponent},
+            {"trust", trust_name(p.trust)}};
+}
+
+ordered_json result_json(const SweepResult& r, std::size_t rank) {
+    ordered_json j{{"rank", rank},
+                   {"configuration", r.config.label()},
+                   {"key", r.config.key},
+                   {"value", r.config.value},
+                   {"flags", r.config.flags},
+                   {"pareto", r.pareto}};
+    const TimeToTarget& t = r.to_target;
+    j["to_target"] = t.valid ? ordered_json{{"seconds", t.seconds},
+                                            {"lo95", t.lo95},
+                                            {"hi95", t.hi95},
+                                            {"measured", t.measured}}
+                             : ordered_json{{"seconds", nullptr}, {"why", t.why}};
+    if (r.config.may_be_biased) {
+        const BiasFloor& f = r.floor;
+        j["bias"] = {{"switch", r.config.label()},
+                     {"floor_percent", f.relrmse_percent},
+                     {"hi95", f.hi95},
+                     {"significant", f.significant},
+                     {"z", number(f.z)},
+                     {"block_p_value", f.block_p_value},
+                     {"brightness_percent", f.brightness_percent}};
+    } else {
+        j["bias"] = nullptr;
+    }
+    j["trust"] = trust_name(r.last.trust);
+    j["why"] = r.last.why;
+    j["curve"] = ordered_json::array();
+    for (const CurvePoint& p : r.curve) j["curve"].push_back(point_json(p));
+    return j;
+}
+
+}  // namespace
+
+const SweepResult* advised(const SweepOutcome& outcome) {
+    return !outcome.results.empty() && outcome.results.front().to_target.valid
+               ? &outcome.results.front()
+               : nullptr;
+}
+
+std::string report_json(const AccuracyReport& report) {
+    ordered_json j{{"schema", "talbot-accuracy/1"},
+                   {"version", TALBOT_VERSION},
+                   {"scene", {{"file", report.scene_file}, {"sha256", report.scene_sha256}}},
+                   {"target_percent", report.outcome.target_percent},
+                   {"budget_seconds", report.budget_seconds},
+                   {"threads", report.threads}};
+    if (!report.outcome.results.empty()) {
+        const SweepResult& first = report.outcome.results.front();
+        j["size"] = {first.width, first.height};
+    }
+    j["results"] = ordered_json::array();
+    for (std::size_t i = 0; i < report.outcome.results.size(); ++i)
+        j["results"].push_back(result_json(report.outcome.results[i], i + 1));
+    ordered_json advisor{{"text", report.advice}, {"command", report.advice_command}};
+    if (report.verification.done) {
+        const Verification& v = report.verification;
+        advisor["verified"] = {{"met", v.met},
+                               {"seconds", v.seconds},
+                               {"samples", v.error.samples},
+                               {"relrmse_percent", number(v.error.relrmse_percent)},
+                               {"lo95", number(v.error.lo95)},
+                               {"hi95", number(v.error.hi95)},
+                               {"trust", trust_name(v.error.trust)}};
+    } else {
+        advisor["verified"] = nullptr;
+    }
+    j["advisor"] = std::move(advisor);
+    return j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string report_csv(const AccuracyReport& report) {
+    std::string text =
+        "configuration,samples,seconds,cpu_seconds,rays,relrmse_percent,lo95,hi95,exponent,trust,"
+        "floor_percent\n";
+    for (const SweepResult& r : report.outcome.results) {
+        for (const CurvePoint& p : r.curve) {
+            char line[320];
+            std::snprintf(line, sizeof(line), ",%llu,%.6g,%.6g,%llu,%.6g,%.6g,%.6g,%.4g,",
+                          static_cast<unsigned long long>(p.samples), p.seconds, p.cpu_seconds,
+                          static_cast<unsigned long long>(p.rays), p.relrmse_percent, p.lo95,
+                          p.hi95, p.exponent);
+            text += r.config.label() + line + std::string(trust_name(p.trust));
+            std::snprintf(line, sizeof(line), ",%.6g\n", r.floor.relrmse_percent);
+            text += line;
+        }
+    }
+    return text;
+}
+
+}  // namespace talbot

@@ -1,0 +1,9 @@
+// tinygltf's own code, compiled here: Debian's Draco library exports a tinygltf of another version,
+// which the linker might take in place of the tinygltf library's. What the program itself defines
+// comes first.
+#define TINYGLTF_IMPLEMENTATION
+#define TINYGLTF_NO_INCLUDE_JSON
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/io/gltf/model.h"

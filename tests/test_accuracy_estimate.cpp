@@ -1,0 +1,170 @@
+// The stated error against the true one, on synthetic renders whose means are known exactly.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/accuracy/bias_floor.h"
+#include "core/accuracy/calibration.h"
+#include "core/accuracy/error_estimate.h"
+#include "core/accuracy/packed_difference.h"
+#include "tests/synthetic_render.h"
+
+namespace talbot {
+namespace {
+
+using synthetic::Picture;
+
+// All claims of a few renders of every synthetic scene, from `from` samples on.
+Calibration claims_of(bool sobol, uint32_t size, uint64_t from, uint32_t seeds,
+                      const char* only = nullptr) {
+    Calibration all;
+    for (const synthetic::Scene& scene : synthetic::scenes()) {
+        if (only != nullptr && std::string(only) != scene.name) continue;
+        for (uint32_t seed = 0; seed < seeds; ++seed) {
+            Picture picture(scene, size, sobol, 17 * seed + 1);
+            ErrorTracker tracker;
+            tracker.reset(0);
+            for (uint64_t n = 1; n <= 256; n *= 2) {
+                picture.render_until(n);
+                tracker.observe(picture.film, n, static_cast<double>(n));
+                const ErrorEstimate& e = tracker.estimate();
+                if (n < from) continue;
+                all.errors.push_back({all.errors.size() / 8, n, e.relrmse_percent, e.lo95, e.hi95,
+                                      100 * std::sqrt(picture.true_relmse()), e.exponent,
+                                      Trust::green});
+            }
+        }
+    }
+    return all;
+}
+
+TEST(Accuracy, IndependentSamplesAreEstimatedWithinOnePerCent) {
+    Calibration all = claims_of(false, 48, 32, 3);
+    const auto off = [&] { return std::abs(std::log(summarise({&all}).ratio)); };
+    constexpr double kLimit = 0.015;
+    EXPECT_LT(off(), kLimit);
+    EXPECT_GT(summarise({&all}).coverage, 0.9);
+    // Negative control: a planted error of 2 %, either way.
+    for (const double factor : {1.02, 1 / (1.02 * 1.02)}) {
+        for (ErrorClaim& c : all.errors) c.estimate *= factor;
+        EXPECT_GT(off(), kLimit) << factor;
+    }
+}
+
+TEST(Accuracy, ScrambledPointsAreEstimated) {
+    const Calibration all = claims_of(true, 40, 16, 3);
+    const CalibrationSummary s = summarise({&all});
+    std::printf("scrambled Sobol': %zu claims, ratio %.3f, coverage %.3f, width %.3f\n", s.claims,
+                s.ratio, s.coverage, s.mean_width);
+    EXPECT_GT(s.ratio, 0.95);
+    EXPECT_LT(s.ratio, 1.05);
+    EXPECT_GT(s.coverage, 0.9);
+}
+
+TEST(Accuracy, PromisesAreBrokenByAPlantedError) {
+    // Claims that are right by construction: ln truth is Gaussian about ln estimate.
+    std::mt19937 random(3);
+    std::normal_distribution<double> normal;
+    Calibration right;
+    for (uint64_t i = 0; i < 3000; ++i) {
+        const double truth = 5 * std::exp(0.1 * normal(random));
+        right.errors.push_back(
+            {i, 64, 5, 5 * std::exp(-0.196), 5 * std::exp(0.196), truth, 1, Trust::green});
+    }
+    EXPECT_TRUE(broken_promises(summarise({&right}), true).empty());
+    Calibration narrow = right, shifted = right;
+    for (ErrorClaim& c : narrow.errors) {
+        c.lo95 = 5 * std::exp(-0.15);
+        c.hi95 = 5 * std::exp(0.15);
+    }
+    for (ErrorClaim& c : shifted.errors) c.estimate *= 1.06;
+    EXPECT_EQ(broken_promises(summarise({&narrow}), true).size(), 1u);
+    EXPECT_EQ(broken_promises(summarise({&shifted}), true).size(), 1u);
+    // A red light promises nothing.
+    for (ErrorClaim& c : narrow.errors) c.trust = Trust::red;
+    EXPECT_EQ(summarise({&narrow}).claims, 0u);
+}
+
+TEST(Accuracy, RareBrightPathsTurnTheLightRed) {
+    // A light that one path in 2000 finds, 200 times as bright as the rest.
+    const uint32_t size = 64;
+    Film film(size, size);
+    NonFiniteCount counts;
+    ErrorTracker tracker;
+    tracker.reset(0);
+    std::mt19937 random(5);
+    std::bernoulli_distribution found(1.0 / 2000);
+    for (uint64_t n = 0; n < 64; ++n) {
+        for (uint32_t y = 0; y < size; ++y)
+            for (uint32_t x = 0; x < size; ++x)
+                film.add(x, y, Rgb(found(random) ? 100.0f : 0.5f), true, n, counts);
+        tracker.observe(film, n + 1, static_cast<double>(n + 1));
+    }
+    const ErrorEstimate& e = tracker.estimate();
+    EXPECT_NE(e.trust, Trust::green) << e.top_share << " " << e.tail_index;
+    if (e.trust == Trust::red) {
+        EXPECT_FALSE(e.seconds_to(e.relrmse_percent / 2).valid);
+    }
+}
+
+TEST(Accuracy, PackedDifferencesKeepTheirMeanSquare) {
+    std::mt19937 random(11);
+    std::normal_distribution<float> normal;
+    double exact = 0, packed = 0, worst = 0;
+    for (int i = 0; i < 100000; ++i) {
+        const float scale = std::exp(6 * normal(random));
+        const Rgb d(scale * normal(random), scale * normal(random), scale * normal(random));
+        const Rgb back = unpack_difference(pack_difference(d));
+        const float most = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+        for (int c = 0; c < 3; ++c) {
+            worst = std::max(worst, double(std::abs(back[c] - std::abs(d[c])) / most));
+            exact += double(d[c] / most) * double(d[c] / most);
+            packed += double(back[c] / most) * double(back[c] / most);
+        }
+    }
+    EXPECT_LT(worst, 0.0045);
+    EXPECT_NEAR(packed / exact, 1, 0.002);
+    EXPECT_EQ(unpack_difference(pack_difference(Rgb(0))), Rgb(0));
+}
+
+// Two renders with the same random numbers, one of which is darker by `bias`.
+BiasFloor planted_floor(double bias, uint32_t seed) {
+    Film films[2][2] = {{Film(48, 48), Film(48, 48)}, {Film(48, 48), Film(48, 48)}};
+    NonFiniteCount counts;
+    std::mt19937 random(seed);
+    std::exponential_distribution<float> value(1);
+    std::bernoulli_distribution cut(bias);
+    for (uint64_t n = 0; n < 32; ++n) {
+        for (uint32_t y = 0; y < 48; ++y) {
+            for (uint32_t x = 0; x < 48; ++x) {
+                const Rgb full(0.2f + value(random));
+                // A rare path that is lost when it is cut; and unbiased noise between the two.
+                const Rgb less = cut(random) ? Rgb(0) : full;
+                const Rgb noise(0.1f * (value(random) - 1));
+                for (int late = n < 16 ? 0 : 1; late < 2; ++late) {
+                    films[0][late].add(x, y, less + glm::max(noise, -less), true, n, counts);
+                    films[1][late].add(x, y, full, true, n, counts);
+                }
+            }
+        }
+    }
+    return measure_floor(films[0][0], films[0][1], films[1][0], films[1][1]);
+}
+
+TEST(Accuracy, PlantedBiasIsFoundAndMeasured) {
+    for (uint32_t seed = 1; seed <= 3; ++seed) {
+        const BiasFloor floor = planted_floor(0.05, seed);
+        EXPECT_TRUE(floor.significant);
+        // 5 % of a mean of 1.2, relative to sqrt(1.44 + 0.01).
+        EXPECT_NEAR(floor.relrmse_percent, 5, 0.5);
+        EXPECT_LT(floor.brightness_percent, -4);
+    }
+    int false_alarms = 0;
+    for (uint32_t seed = 1; seed <= 20; ++seed)
+        false_alarms += planted_floor(0, seed).significant ? 1 : 0;
+    EXPECT_LE(false_alarms, 1);
+}
+
+}  // namespace
+}  // namespace talbot
