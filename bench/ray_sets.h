@@ -5,11 +5,17 @@
 #pragma once
 
 #include <cmath>
+#include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "core/io/gltf_loader.h"
+#include "core/math/robust.h"
+#include "core/scene/scene.h"
 #include "geometry_scenes.h"
 
 namespace talbot::bench {
@@ -32,9 +38,13 @@ struct BenchScene {
     View view;
 };
 
-// The world triangle behind a hit; only identity instances of triangle meshes.
+// The world triangle behind a hit.
 inline std::array<Vec3f, 3> hit_triangle(const test::SceneData& scene, const Hit& hit) {
-    return scene.meshes[scene.instances[hit.id.instance].mesh].triangle(hit.id.primitive);
+    const AccelInstance& instance = scene.instances[hit.id.instance];
+    auto corners = scene.meshes[instance.mesh].triangle(hit.id.primitive);
+    if (instance.identity) return corners;
+    for (Vec3f& p : corners) p = Vec3f(instance.world_from_object * Vec4d(Vec3d(p), 1));
+    return corners;
 }
 
 inline std::vector<Ray> primary_rays(const View& view, uint32_t size) {
@@ -64,7 +74,7 @@ inline std::vector<Ray> primary_rays(const View& view, uint32_t size) {
 inline Ray bounce(const test::SceneData& scene, const Ray& ray, const Hit& hit, float offset,
                   test::Rng& rng) {
     const auto tri = hit_triangle(scene, hit);
-    Vec3f n = normalize(cross(tri[1] - tri[0], tri[2] - tri[0]));
+    Vec3f n = safe_normalize(cross(tri[1] - tri[0], tri[2] - tri[0]), -ray.d);
     if (dot(n, ray.d) > 0) n = -n;
     Ray next;
     next.o = (1 - hit.u - hit.v) * tri[0] + hit.u * tri[1] + hit.v * tri[2] + offset * n;
@@ -140,10 +150,64 @@ inline test::MeshData hall() {
     return mesh;
 }
 
-// All scenes, or the one of that name.
-inline std::vector<BenchScene> bench_scenes(const std::string& only) {
-    using Maker = std::function<BenchScene()>;
-    const std::vector<std::pair<std::string, Maker>> makers = {
+// A glTF file seen from above one corner, its geometry as the renderer places it.
+inline BenchScene model(const std::string& name, const std::filesystem::path& file) {
+    auto loaded = load_gltf(file);
+    if (!loaded) throw std::runtime_error(loaded.error().line());
+    WorkerPool pool(2);
+    const auto scene = Scene::build(std::move(*loaded), pool, {});
+    BenchScene out{name, {}, {}};
+    for (const Mesh& mesh : scene->geometry().meshes) {
+        test::MeshData data;
+        data.positions = mesh.positions;
+        data.indices = mesh.indices;
+        out.data.meshes.push_back(std::move(data));
+    }
+    for (const SceneInstance& instance : scene->geometry().instances)
+        out.data.instances.push_back(
+            {instance.mesh, instance.identity, instance.world_from_object});
+    const Bounds box = scene->geometry().bounds;
+    const Vec3f center = 0.5f * (box.lower + box.upper);
+    out.view = {center + length(box.upper - box.lower) * Vec3f(0.35f, 0.4f, 0.8f), center, 45};
+    return out;
+}
+
+// A model shown again and again under rotations, in rows of `rows`.
+inline BenchScene instanced(BenchScene scene, int rows) {
+    Vec3d lower(std::numeric_limits<double>::infinity());
+    Vec3d upper(-lower);
+    for (const AccelInstance& instance : scene.data.instances) {
+        for (const Vec3f& p : scene.data.meshes[instance.mesh].positions) {
+            const Vec3d q(instance.world_from_object * Vec4d(Vec3d(p), 1));
+            lower = glm::min(lower, q);
+            upper = glm::max(upper, q);
+        }
+    }
+    const Vec3d center = 0.5 * (lower + upper);
+    const double step = length(upper - lower);
+    const std::vector<AccelInstance> parts = std::move(scene.data.instances);
+    scene.data.instances.clear();
+    for (int copy = 0; copy < rows * rows; ++copy) {
+        const Vec3d at(step * (copy % rows), 0, step * (copy / rows));
+        const double angle = 0.7 * copy;
+        Mat4d place(1.0);
+        place[0] = Vec4d(std::cos(angle), 0, -std::sin(angle), 0);
+        place[2] = Vec4d(std::sin(angle), 0, std::cos(angle), 0);
+        place[3] = Vec4d(at - Vec3d(place * Vec4d(center, 0)), 1);
+        for (const AccelInstance& part : parts)
+            scene.data.place(part.mesh, place * part.world_from_object);
+    }
+    const Vec3f middle = Vec3f(Vec3d(0.5 * (rows - 1) * step, 0, 0.5 * (rows - 1) * step));
+    const auto distance = static_cast<float>(rows * step);
+    scene.view = {middle + distance * Vec3f(0.2f, 0.4f, 0.9f), middle, 45};
+    return scene;
+}
+
+using SceneMaker = std::pair<std::string, std::function<BenchScene()>>;
+
+// The generated scenes, and those of three models whose files are below `models`.
+inline std::vector<SceneMaker> bench_scenes(const std::filesystem::path& models) {
+    std::vector<SceneMaker> makers = {
         {"soup",
          [] {
              return BenchScene{"soup",
@@ -173,11 +237,18 @@ inline std::vector<BenchScene> bench_scenes(const std::string& only) {
                  "cornell", test::scene_of(test::cornell_box()), {Vec3f(0, 0, 3.6f), Vec3f(0), 40}};
          }},
     };
-    std::vector<BenchScene> scenes;
-    for (const auto& [name, make] : makers) {
-        if (only.empty() || only == name) scenes.push_back(make());
-    }
-    return scenes;
+    const auto add = [&](const std::string& name, const std::string& path, int rows) {
+        const std::filesystem::path file = models / path;
+        if (models.empty() || !std::filesystem::exists(file)) return;
+        makers.push_back({name, [name, file, rows] {
+                              BenchScene scene = model(name, file);
+                              return rows == 1 ? scene : instanced(std::move(scene), rows);
+                          }});
+    };
+    add("toycar", "ToyCar/ToyCar.gltf", 1);
+    add("sixty-four cars", "ToyCar/ToyCar.gltf", 8);
+    add("garden", "JapaneseBridgeGarden/JapaneseBridgeGarden.glb", 1);
+    return makers;
 }
 
 }  // namespace talbot::bench

@@ -1,161 +1,24 @@
-// Rays per second of Talbot's structure against Embree's in its default and its robust mode: same
-// triangles, same rays, one process, single-ray calls, runs interleaved, medians. Rates are per
-// second of each thread's own processor time. usage: bench_rays [--quick] [--scene NAME] [--rounds
-// N] [--json FILE]
-#include <time.h>
-
+// Rays per second, build time and memory of Talbot's structure against Embree's in its default, its
+// robust and its high-quality mode: same triangles, same rays, one process, single-ray calls, runs
+// interleaved, medians. Rates are per second of each thread's own processor time. Then what the
+// structure is worth beside testing everything, and how cost grows with the number of triangles.
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
+#include <cstdlib>
 #include <fstream>
-#include <functional>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <sstream>
-#include <string>
-#include <thread>
-#include <vector>
-
-#if TALBOT_BENCH_EMBREE
-#include <embree3/rtcore.h>
-#endif
 
 #include "core/geometry/bvh.h"
+#include "ray_engines.h"
 #include "ray_sets.h"
 
 namespace talbot::bench {
 namespace {
 
-double thread_seconds() {
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-// One engine with one scene: traces a range of rays and returns how many hit.
-struct Engine {
-    std::string name;
-    std::function<uint64_t(const Ray* rays, size_t count, bool any)> trace;
-    double build_seconds = 0;
-    double bytes = 0;
-};
-
-uint64_t trace_talbot(const Accel& accel, const Ray* rays, size_t count, bool any) {
-    uint64_t hits = 0;
-    if (any) {
-        for (size_t i = 0; i < count; ++i) hits += accel.occluded(rays[i]);
-    } else {
-        Hit hit;
-        for (size_t i = 0; i < count; ++i) hits += accel.closest(rays[i], hit);
-    }
-    return hits;
-}
-
-#if TALBOT_BENCH_EMBREE
-class EmbreeScene {
-  public:
-    EmbreeScene(const test::SceneData& data, RTCSceneFlags flags, RTCBuildQuality quality) {
-        device_ = rtcNewDevice("threads=2");
-        rtcSetDeviceMemoryMonitorFunction(
-            device_,
-            [](void* self, ssize_t bytes, bool) {
-                static_cast<EmbreeScene*>(self)->bytes_ += bytes;
-                return true;
-            },
-            this);
-        scene_ = rtcNewScene(device_);
-        rtcSetSceneFlags(scene_, flags);
-        rtcSetSceneBuildQuality(scene_, quality);
-        for (const AccelInstance& instance : data.instances) {
-            const test::MeshData& mesh = data.meshes[instance.mesh];
-            RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-            rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                       mesh.positions.data(), 0, sizeof(Vec3f),
-                                       mesh.positions.size());
-            rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                       mesh.indices.data(), 0, 3 * sizeof(uint32_t),
-                                       mesh.triangles());
-            rtcCommitGeometry(geometry);
-            rtcAttachGeometry(scene_, geometry);
-            rtcReleaseGeometry(geometry);
-        }
-        const int64_t before = bytes_;
-        const auto start = std::chrono::steady_clock::now();
-        rtcCommitScene(scene_);
-        seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        built_bytes_ = static_cast<double>(bytes_ - before);
-    }
-    ~EmbreeScene() {
-        rtcReleaseScene(scene_);
-        rtcReleaseDevice(device_);
-    }
-    EmbreeScene(const EmbreeScene&) = delete;
-    EmbreeScene& operator=(const EmbreeScene&) = delete;
-
-    uint64_t trace(const Ray* rays, size_t count, bool any) const {
-        uint64_t hits = 0;
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
-        for (size_t i = 0; i < count; ++i) {
-            alignas(16) RTCRayHit query{};
-            RTCRay& ray = query.ray;
-            ray.org_x = rays[i].o.x;
-            ray.org_y = rays[i].o.y;
-            ray.org_z = rays[i].o.z;
-            ray.dir_x = rays[i].d.x;
-            ray.dir_y = rays[i].d.y;
-            ray.dir_z = rays[i].d.z;
-            ray.tfar = rays[i].t_max;
-            ray.mask = 0xFFFFFFFFu;
-            if (any) {
-                rtcOccluded1(scene_, &context, &ray);
-                hits += ray.tfar < 0;
-            } else {
-                query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-                rtcIntersect1(scene_, &context, &query);
-                hits += query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
-            }
-        }
-        return hits;
-    }
-    double build_seconds() const { return seconds_; }
-    double bytes() const { return built_bytes_; }
-
-  private:
-    RTCDevice device_ = nullptr;
-    RTCScene scene_ = nullptr;
-    std::atomic<int64_t> bytes_{0};
-    double built_bytes_ = 0;
-    double seconds_ = 0;
-};
-#endif
-
-// Mrays/s over all rays of a set with this many threads.
-double rate(const Engine& engine, const std::vector<Ray>& rays, bool any, unsigned threads,
-            uint64_t& hits) {
-    std::vector<double> rates(threads, 0);
-    std::vector<uint64_t> found(threads, 0);
-    std::vector<std::thread> workers;
-    for (unsigned worker = 0; worker < threads; ++worker) {
-        workers.emplace_back([&, worker] {
-            const size_t begin = rays.size() * worker / threads;
-            const size_t end = rays.size() * (worker + 1) / threads;
-            const double start = thread_seconds();
-            found[worker] = engine.trace(rays.data() + begin, end - begin, any);
-            rates[worker] = 1e-6 * static_cast<double>(end - begin) / (thread_seconds() - start);
-        });
-    }
-    double sum = 0;
-    hits = 0;
-    for (unsigned worker = 0; worker < threads; ++worker) {
-        workers[worker].join();
-        sum += rates[worker];
-        hits += found[worker];
-    }
-    return sum;
-}
+using nlohmann::json;
 
 double median(std::vector<double> values) {
     std::sort(values.begin(), values.end());
@@ -166,6 +29,7 @@ double median(std::vector<double> values) {
 struct Options {
     bool quick = false;
     std::string scene;
+    std::string models;
     std::string json;
     int rounds = 5;
 };
@@ -175,6 +39,21 @@ struct Result {
     std::string kind;
     unsigned threads = 1;
     std::vector<double> rates;  // one per engine
+};
+
+struct Build {
+    std::string scene;
+    uint64_t triangles = 0;
+    std::vector<double> seconds;
+    std::vector<double> bytes;
+};
+
+struct Report {
+    std::vector<std::string> engines;
+    std::vector<Result> rates;
+    std::vector<Build> builds;
+    json speedups = json::array();
+    json growth = json::array();
 };
 
 std::string cpu_name() {
@@ -196,124 +75,213 @@ std::string heading() {
     return out.str();
 }
 
-void run_scene(const BenchScene& scene, const Options& options, std::vector<Engine>& engines,
-               std::vector<Result>& results) {
+// The rates of all engines with one set of rays.
+void measure(const std::vector<Engine>& engines, const Options& options,
+             const std::vector<Ray>& rays, bool any, Result result, Report& report) {
+    std::vector<std::vector<double>> rates(engines.size());
+    std::vector<uint64_t> hits(engines.size());
+    for (int round = 0; round < options.rounds; ++round) {
+        for (size_t e = 0; e < engines.size(); ++e)
+            rates[e].push_back(rate(engines[e], rays, any, result.threads, hits[e]));
+    }
+    std::printf("| %s | %s | %u |", result.scene.c_str(), result.kind.c_str(), result.threads);
+    for (const auto& of_engine : rates) {
+        result.rates.push_back(median(of_engine));
+        std::printf(" %.2f |", result.rates.back());
+    }
+    for (size_t e = 1; e < engines.size(); ++e)
+        std::printf(" %.2f |", result.rates[0] / result.rates[e]);
+    std::printf("\n");
+    std::fflush(stdout);
+    for (size_t e = 1; e < engines.size(); ++e) {
+        const double difference =
+            std::abs(static_cast<double>(hits[e]) - static_cast<double>(hits[0]));
+        if (difference > 1e-4 * static_cast<double>(rays.size())) {
+            std::fprintf(stderr, "bench_rays: %s, %s: %s differs in %.0f hits of %zu rays\n",
+                         result.scene.c_str(), result.kind.c_str(), engines[e].name.c_str(),
+                         difference, rays.size());
+        }
+    }
+    report.rates.push_back(std::move(result));
+}
+
+void run_scene(const BenchScene& scene, const Options& options, Report& report) {
     WorkerPool pool(2);
-    const auto fast = build_accel(scene.data.input(BuildQuality::fast), pool);
     const auto accel = build_accel(scene.data.input(BuildQuality::high), pool);
     const RaySets sets = make_ray_sets(scene, *accel, options.quick ? 256 : 1024);
-    engines.clear();
-    engines.push_back({"Talbot",
-                       [&](const Ray* rays, size_t count, bool any) {
-                           return trace_talbot(*accel, rays, count, any);
-                       },
-                       accel->stats().build_seconds, static_cast<double>(accel->stats().bytes)});
-    engines.push_back({"Talbot fast",
-                       [&](const Ray* rays, size_t count, bool any) {
-                           return trace_talbot(*fast, rays, count, any);
-                       },
-                       fast->stats().build_seconds, static_cast<double>(fast->stats().bytes)});
+    std::vector<Engine> engines{talbot_engine("Talbot", *accel)};
 #if TALBOT_BENCH_EMBREE
     const EmbreeScene plain(scene.data, RTC_SCENE_FLAG_NONE, RTC_BUILD_QUALITY_MEDIUM);
     const EmbreeScene robust(scene.data, RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_MEDIUM);
     const EmbreeScene high(scene.data, RTC_SCENE_FLAG_NONE, RTC_BUILD_QUALITY_HIGH);
-    for (const auto& [name, embree] :
-         {std::pair{"Embree", &plain}, {"Embree robust", &robust}, {"Embree high", &high}}) {
-        engines.push_back({name,
-                           [e = embree](const Ray* rays, size_t count, bool any) {
-                               return e->trace(rays, count, any);
-                           },
-                           embree->build_seconds(), embree->bytes()});
-    }
+    engines.push_back(plain.engine("Embree"));
+    engines.push_back(robust.engine("Embree robust"));
+    engines.push_back(high.engine("Embree high"));
 #endif
-    const size_t triangles = accel->stats().triangles;
-    std::printf("\n%s: %zu triangles, depth %u, %llu nodes; build ms / bytes per triangle:",
-                scene.name.c_str(), triangles, accel->stats().depth,
-                static_cast<unsigned long long>(accel->stats().nodes));
+    if (report.engines.empty()) {
+        for (const Engine& engine : engines) report.engines.push_back(engine.name);
+        std::string head = "| scene | rays | threads |";
+        std::string rule = "|---|---|---|";
+        for (const std::string& name : report.engines) head += " " + name + " |";
+        for (size_t e = 1; e < engines.size(); ++e) head += " / " + report.engines[e] + " |";
+        for (size_t e = 0; e < 2 * engines.size() - 1; ++e) rule += "---|";
+        std::printf("\nMrays/s\n\n%s\n%s\n", head.c_str(), rule.c_str());
+    }
+    Build build{scene.name, accel->stats().triangles, {}, {}};
     for (const Engine& engine : engines) {
-        std::printf(" %s %.1f / %.0f,", engine.name.c_str(), 1e3 * engine.build_seconds,
-                    engine.bytes / static_cast<double>(triangles));
+        build.seconds.push_back(engine.build_seconds);
+        build.bytes.push_back(engine.bytes);
     }
-    std::printf("\n");
-    for (const auto& [kind, rays, any] :
-         {std::tuple{"primary", &sets.primary, false}, std::tuple{"ao", &sets.ao, true},
-          std::tuple{"diffuse", &sets.diffuse, false}}) {
-        for (const unsigned threads : {1u, 2u}) {
-            std::vector<std::vector<double>> rates(engines.size());
-            std::vector<uint64_t> hits(engines.size());
-            for (int round = 0; round < options.rounds; ++round) {
-                for (size_t e = 0; e < engines.size(); ++e) {
-                    rates[e].push_back(rate(engines[e], *rays, any, threads, hits[e]));
-                }
-            }
-            Result result{scene.name, kind, threads, {}};
-            std::printf("| %s | %s | %u |", scene.name.c_str(), kind, threads);
-            for (size_t e = 0; e < engines.size(); ++e) {
-                result.rates.push_back(median(rates[e]));
-                std::printf(" %.2f |", result.rates.back());
-                const double difference =
-                    std::abs(static_cast<double>(hits[e]) - static_cast<double>(hits[0]));
-                if (difference > 1e-4 * static_cast<double>(rays->size()))
-                    std::printf("(hits differ: %.0f) ", difference);
-            }
-            if (engines.size() > 3) {
-                std::printf(" %.2f | %.2f |", result.rates[0] / result.rates[2],
-                            result.rates[0] / result.rates[3]);
-            }
-            std::printf("\n");
-            std::fflush(stdout);
-            results.push_back(result);
-        }
+    report.builds.push_back(std::move(build));
+    for (const unsigned threads : {1u, 2u}) {
+        measure(engines, options, sets.primary, false, {scene.name, "primary", threads, {}},
+                report);
+        measure(engines, options, sets.ao, true, {scene.name, "ao", threads, {}}, report);
+        measure(engines, options, sets.diffuse, false, {scene.name, "diffuse", threads, {}},
+                report);
     }
 }
 
-// Geometric means of the ratios against engine `other`, by kind and number of threads.
-void print_means(const std::vector<Result>& results, size_t other, const std::string& name) {
-    std::map<std::string, std::vector<double>> groups;
-    for (const Result& r : results) {
-        groups[r.kind + ", " + std::to_string(r.threads)].push_back(r.rates[0] / r.rates[other]);
+// Geometric means of the ratios against each other engine, by kind and number of threads.
+void print_means(const Report& report) {
+    for (size_t other = 1; other < report.engines.size(); ++other) {
+        std::map<std::string, std::pair<double, int>> groups;
+        for (const Result& r : report.rates) {
+            auto& [sum, count] = groups[r.kind + ", " + std::to_string(r.threads)];
+            sum += std::log(r.rates[0] / r.rates[other]);
+            ++count;
+        }
+        std::printf("\nTalbot / %s, geometric means over the scenes:",
+                    report.engines[other].c_str());
+        for (const auto& [key, group] : groups)
+            std::printf(" %s: %.3f;", key.c_str(), std::exp(group.first / group.second));
+        std::printf("\n");
     }
-    std::printf("\nTalbot / %s, geometric means over the scenes:", name.c_str());
-    for (const auto& [key, ratios] : groups) {
-        double sum = 0;
-        for (const double ratio : ratios) sum += std::log(ratio);
-        std::printf(" %s: %.3f;", key.c_str(), std::exp(sum / static_cast<double>(ratios.size())));
+}
+
+void print_builds(const Report& report) {
+    std::printf("\nBuild with 2 threads, ms; memory of the structure, bytes per triangle\n\n");
+    std::printf("| scene | triangles |");
+    for (const std::string& name : report.engines) std::printf(" %s | bytes |", name.c_str());
+    std::printf("\n|---|---|");
+    for (size_t e = 0; e < report.engines.size(); ++e) std::printf("---|---|");
+    for (const Build& build : report.builds) {
+        std::printf("\n| %s | %llu |", build.scene.c_str(),
+                    static_cast<unsigned long long>(build.triangles));
+        for (size_t e = 0; e < build.seconds.size(); ++e) {
+            std::printf(" %.1f | %.0f |", 1e3 * build.seconds[e],
+                        build.bytes[e] / static_cast<double>(build.triangles));
+        }
     }
     std::printf("\n");
 }
 
-void write_json(const Options& options, const std::vector<Engine>& engines,
-                const std::vector<Result>& results) {
-    std::ofstream out(options.json);
-    out << "{\"schema\": \"talbot-bench-rays/1\", \"about\": \"" << heading() << "\", \"rows\": [";
-    for (size_t i = 0; i < results.size(); ++i) {
-        const Result& r = results[i];
-        out << (i == 0 ? "\n" : ",\n") << "  {\"scene\": \"" << r.scene << "\", \"kind\": \""
-            << r.kind << "\", \"threads\": " << r.threads << ", \"mrays_per_second\": {";
-        for (size_t e = 0; e < engines.size(); ++e) {
-            out << (e == 0 ? "" : ", ") << '"' << engines[e].name << "\": " << r.rates[e];
+// What the structure is worth beside testing every object: spheres strewn in a cube.
+void run_speedups(const Options& options, Report& report) {
+    std::printf("\nAgainst testing every object (spheres, primary rays, 1 thread, Mrays/s)\n\n");
+    std::printf("| objects | Talbot | brute force | speed-up |\n|---|---|---|---|\n");
+    for (const uint32_t count : {12u, 1000u}) {
+        test::Rng rng(count);
+        test::SceneData data;
+        const float radius = 0.25f / std::cbrt(static_cast<float>(count));
+        for (uint32_t i = 0; i < count; ++i)
+            data.spheres.push_back({Vec3d(rng.in_box(0, 1)), radius});
+        WorkerPool pool(2);
+        const auto accel = build_accel(data.input(), pool);
+        const auto brute = build_brute_force(data.input());
+        const auto rays = primary_rays({Vec3f(0.5f, 0.5f, 2), Vec3f(0.5f), 40}, 128);
+        std::vector<double> fast;
+        std::vector<double> slow;
+        uint64_t hits = 0;
+        for (int round = 0; round < options.rounds; ++round) {
+            fast.push_back(rate(talbot_engine("", *accel), rays, false, 1, hits));
+            slow.push_back(rate(talbot_engine("", *brute), rays, false, 1, hits));
         }
-        out << "}}";
+        std::printf("| %u | %.2f | %.3f | %.1f |\n", count, median(fast), median(slow),
+                    median(fast) / median(slow));
+        report.speedups.push_back({{"objects", count},
+                                   {"mrays_per_second", median(fast)},
+                                   {"brute_force_mrays_per_second", median(slow)}});
     }
-    out << "\n]}\n";
+}
+
+// Spheres of more and more triangles: rays per second and build time per triangle.
+void run_growth(const Options& options, Report& report) {
+    std::printf("\nGrowth (displaced sphere, 1 thread, Mrays/s; build with 2 threads)\n\n");
+    std::printf("| triangles | primary | diffuse | build ns per triangle | bytes per triangle |\n");
+    std::printf("|---|---|---|---|---|\n");
+    for (const uint32_t n : {9u, 29u, 91u, 289u, 913u}) {
+        if (options.quick && n > 289) break;
+        const BenchScene scene{"growth",
+                               test::scene_of(test::displaced_sphere(n, 0.1f)),
+                               {Vec3f(0.5f, 1, 2.5f), Vec3f(0), 45}};
+        WorkerPool pool(2);
+        const auto accel = build_accel(scene.data.input(), pool);
+        const RaySets sets = make_ray_sets(scene, *accel, 256);
+        std::vector<double> primary;
+        std::vector<double> diffuse;
+        uint64_t hits = 0;
+        for (int round = 0; round < options.rounds; ++round) {
+            primary.push_back(rate(talbot_engine("", *accel), sets.primary, false, 1, hits));
+            diffuse.push_back(rate(talbot_engine("", *accel), sets.diffuse, false, 1, hits));
+        }
+        const auto triangles = static_cast<double>(accel->stats().triangles);
+        const double ns = 1e9 * accel->stats().build_seconds / triangles;
+        const double bytes = static_cast<double>(accel->stats().bytes) / triangles;
+        std::printf("| %.0f | %.2f | %.2f | %.0f | %.0f |\n", triangles, median(primary),
+                    median(diffuse), ns, bytes);
+        std::fflush(stdout);
+        report.growth.push_back({{"triangles", accel->stats().triangles},
+                                 {"primary_mrays_per_second", median(primary)},
+                                 {"diffuse_mrays_per_second", median(diffuse)},
+                                 {"build_ns_per_triangle", ns},
+                                 {"bytes_per_triangle", bytes}});
+    }
+}
+
+bool write_json(const std::string& file, const Report& report) {
+    json out = {{"schema", "talbot-bench-rays/1"}, {"about", heading()},
+                {"rates", json::array()},          {"builds", json::array()},
+                {"brute_force", report.speedups},  {"growth", report.growth}};
+    for (const Result& r : report.rates) {
+        json rates;
+        for (size_t e = 0; e < r.rates.size(); ++e) rates[report.engines[e]] = r.rates[e];
+        out["rates"].push_back({{"scene", r.scene},
+                                {"kind", r.kind},
+                                {"threads", r.threads},
+                                {"mrays_per_second", rates}});
+    }
+    for (const Build& b : report.builds) {
+        json engines;
+        for (size_t e = 0; e < b.seconds.size(); ++e)
+            engines[report.engines[e]] = {{"seconds", b.seconds[e]}, {"bytes", b.bytes[e]}};
+        out["builds"].push_back(
+            {{"scene", b.scene}, {"triangles", b.triangles}, {"engines", engines}});
+    }
+    std::ofstream stream(file);
+    stream << out.dump(1) << "\n";
+    stream.close();
+    if (!stream) std::fprintf(stderr, "bench_rays: cannot write %s\n", file.c_str());
+    return static_cast<bool>(stream);
 }
 
 int run(const Options& options) {
     std::printf("%s\n", heading().c_str());
-    std::vector<Engine> engines;
-    std::vector<Result> results;
-    std::printf(
-        "| scene | rays | threads | Talbot | Talbot fast | Embree | Embree robust | Embree high | "
-        "/ Embree | / robust |\n");
-    std::printf("|---|---|---|---|---|---|---|---|---|---|\n");
-    for (const BenchScene& scene : bench_scenes(options.scene))
-        run_scene(scene, options, engines, results);
-    if (engines.size() > 3 && !results.empty()) {
-        print_means(results, 2, engines[2].name);
-        print_means(results, 3, engines[3].name);
+    Report report;
+    for (const auto& [name, make] : bench_scenes(options.models)) {
+        if (options.scene.empty() || options.scene == name) run_scene(make(), options, report);
     }
-    if (!options.json.empty()) write_json(options, engines, results);
-    return 0;
+    if (report.rates.empty()) {
+        std::fprintf(stderr, "bench_rays: there is no scene '%s'\n", options.scene.c_str());
+        return 2;
+    }
+    print_means(report);
+    print_builds(report);
+    if (options.scene.empty()) {
+        run_speedups(options, report);
+        run_growth(options, report);
+    }
+    return options.json.empty() || write_json(options.json, report) ? 0 : 4;
 }
 
 }  // namespace
@@ -328,15 +296,24 @@ int main(int argc, char** argv) {
             options.quick = true;
         } else if (word == "--scene" && has_value) {
             options.scene = argv[++i];
+        } else if (word == "--models" && has_value) {
+            options.models = argv[++i];
         } else if (word == "--json" && has_value) {
             options.json = argv[++i];
         } else if (word == "--rounds" && has_value) {
             options.rounds = std::max(1, std::atoi(argv[++i]));
         } else {
             std::fprintf(stderr,
-                         "usage: bench_rays [--quick] [--scene NAME] [--rounds N] [--json FILE]\n");
+                         "usage: bench_rays [--quick] [--scene NAME] [--models DIR] [--rounds N] "
+                         "[--json FILE]\nDIR holds the models of the Khronos sample assets that "
+                         "are measured too, one folder each.\n");
             return 2;
         }
     }
-    return talbot::bench::run(options);
+    try {
+        return talbot::bench::run(options);
+    } catch (const std::exception& failure) {
+        std::fprintf(stderr, "bench_rays: %s\n", failure.what());
+        return 3;
+    }
 }

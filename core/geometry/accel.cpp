@@ -144,7 +144,8 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& po
             load_triangle(mesh, p.index, t, false);
             set_lane(block, lane, t, kNoId, p.index);
         };
-        if (!build_tree(primitives, fill, &pool, stop, report, scene.trees[next_tree]))
+        if (!build_tree(primitives, input.quality, fill, &pool, stop, report,
+                        scene.trees[next_tree]))
             return nullptr;
         before += mesh.indices.size() / 3;
         stats.dropped_triangles += dropped_in_tree[next_tree];
@@ -179,7 +180,8 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& po
         load_triangle(input.meshes[input.instances[p.instance].mesh], p.index, t, false);
         set_lane(block, lane, t, p.instance, p.index);
     };
-    if (!build_tree(primitives, fill, &pool, stop, report, scene.top)) return nullptr;
+    if (!build_tree(primitives, input.quality, fill, &pool, stop, report, scene.top))
+        return nullptr;
 
     stats.instances = input.instances.size();
     stats.spheres = input.spheres.size();

@@ -21,6 +21,8 @@ inline constexpr uint32_t kMaxLeafItems = 8;  // blocks or objects
 // Wide levels built by surface area before the builder halves ranges, and the most that can follow.
 inline constexpr uint32_t kMaxAreaDepth = 32;
 inline constexpr uint32_t kMaxDepth = kMaxAreaDepth + 12;
+// Trees of fewer bytes stay in a core's own cache.
+inline constexpr uint64_t kCachedTreeBytes = uint64_t{1} << 18;
 inline constexpr uint32_t kStackSize = kMaxDepth * (kNodeWidth - 1) + 1;
 
 // What a child is: an inner node's index, or a leaf's kind, number of items (less one) and first
@@ -74,6 +76,7 @@ struct Tree {
     std::vector<uint32_t> objects;  // into BvhScene::objects
     uint32_t root = 0;
     bool is_empty = true;
+    bool outgrows_cache = false;  // then traversal asks for memory ahead
     Bounds bounds;
     uint32_t depth = 0;
     uint64_t triangles = 0;

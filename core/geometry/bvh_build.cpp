@@ -12,73 +12,23 @@
 #include <vector>
 
 #include "core/base/check.h"
+#include "core/geometry/split_search.h"
 
 namespace talbot {
 namespace {
 
-constexpr uint32_t kBins = 16;
 constexpr uint64_t kSubtreeSize =
     4096;  // primitives that one task takes at most, if the range can be split
 
-struct Box {
-    Vec3f lower{kInfinity};
-    Vec3f upper{-kInfinity};
-
-    void add(const Vec3f& lo, const Vec3f& hi) {
-        lower = glm::min(lower, lo);
-        upper = glm::max(upper, hi);
-    }
-    void add(const Box& b) { add(b.lower, b.upper); }
-    // Half the surface; in double, so that boxes of any finite size have one.
-    double half_area() const {
-        const Vec3d e = Vec3d(upper) - Vec3d(lower);
-        return e.x < 0 ? 0.0 : e.x * e.y + e.y * e.z + e.z * e.x;
-    }
-};
-
-// A range of primitives that becomes one child: a leaf, or to be split at `split_bin` of `axis`
-// (kNoAxis: halved).
-struct Range {
-    static constexpr int kNoAxis = -1;
-    uint64_t begin = 0;
-    uint64_t end = 0;
-    Box box;
-    Box centroids;         // of doubled centroids, lower + upper
-    bool is_leaf = false;  // when it becomes a child, rather than an inner node
-    bool is_worth_splitting =
-        true;  // among children of one node, where a further child costs nothing
-    int axis = kNoAxis;
-    uint32_t split_bin = 0;
-
-    uint64_t size() const { return end - begin; }
-};
-
-struct Binning {
-    Vec3f offset;
-    Vec3f scale;
-
-    explicit Binning(const Box& centroids) : offset(centroids.lower) {
-        const Vec3f e = centroids.upper - centroids.lower;
-        for (int i = 0; i < 3; ++i) {
-            const float s = static_cast<float>(kBins) / e[i];
-            scale[i] = e[i] > 0 && s < kInfinity ? s : 0.0f;
-        }
-    }
-    uint32_t bin(const BuildPrimitive& p, int axis) const {
-        const float x = (p.lower[axis] + p.upper[axis] - offset[axis]) * scale[axis];
-        return std::min(static_cast<uint32_t>(x), kBins - 1);
-    }
-};
-
-uint64_t blocks_of(uint64_t triangles) {
-    return (triangles + kBlockWidth - 1) / kBlockWidth;
-}
-
 class Builder {
   public:
-    Builder(std::span<BuildPrimitive> primitives, const FillTriangle& fill, bool has_objects,
-            std::stop_token stop)
-        : primitives_(primitives), fill_(fill), has_objects_(has_objects), stop_(std::move(stop)) {}
+    Builder(std::span<BuildPrimitive> primitives, BuildQuality quality, const FillTriangle& fill,
+            bool has_objects, std::stop_token stop)
+        : primitives_(primitives),
+          quality_(quality),
+          fill_(fill),
+          has_objects_(has_objects),
+          stop_(std::move(stop)) {}
 
     Range make_range(uint64_t begin, uint64_t end, uint32_t depth) const {
         Range range;
@@ -86,9 +36,10 @@ class Builder {
         range.end = end;
         for (uint64_t i = begin; i < end; ++i) {
             const BuildPrimitive& p = primitives_[i];
-            range.box.add(p.lower, p.upper);
-            const Vec3f c = p.lower + p.upper;
-            range.centroids.add(c, c);
+            const Float4 lower = lower_of(p);
+            const Float4 upper = upper_of(p);
+            range.box.add(lower, upper);
+            range.centroids.add(lower + upper, lower + upper);
         }
         choose_split(range, depth);
         return range;
@@ -141,8 +92,8 @@ class Builder {
             const bool used = i < children.size();
             const Box box = used ? children[i].box : Box{};
             for (size_t axis = 0; axis < 3; ++axis) {
-                node.plane[2 * axis][i] = box.lower[static_cast<int>(axis)];
-                node.plane[2 * axis + 1][i] = box.upper[static_cast<int>(axis)];
+                node.plane[2 * axis][i] = box.lower[axis];
+                node.plane[2 * axis + 1][i] = box.upper[axis];
             }
             node.child[i] = used ? refs[i] : 0;
         }
@@ -197,7 +148,10 @@ class Builder {
             range.is_worth_splitting = false;
             return;
         }
-        const double children_cost = depth < kMaxAreaDepth ? choose_bin(range) : kInfinity;
+        const double children_cost =
+            depth < kMaxAreaDepth
+                ? search_split(primitives_.subspan(range.begin, range.size()), quality_, range)
+                : kInfinity;
         if (!may_be_leaf) return;
         const double leaf_cost =
             static_cast<double>(blocks_of(range.size())) * range.box.half_area();
@@ -205,64 +159,14 @@ class Builder {
         range.is_worth_splitting = children_cost < leaf_cost;
     }
 
-    // Sets axis and split_bin of the cheapest split and returns the cost of its two parts, infinite
-    // when there is none.
-    double choose_bin(Range& range) const {
-        struct Bin {
-            Box box;
-            uint64_t count = 0;
-        };
-        std::array<std::array<Bin, kBins>, 3> bins{};
-        const Binning binning(range.centroids);
-        for (uint64_t i = range.begin; i < range.end; ++i) {
-            const BuildPrimitive& p = primitives_[i];
-            for (int axis = 0; axis < 3; ++axis) {
-                Bin& bin = bins[static_cast<size_t>(axis)][binning.bin(p, axis)];
-                bin.box.add(p.lower, p.upper);
-                ++bin.count;
-            }
-        }
-        double best = kInfinity;
-        for (int axis = 0; axis < 3; ++axis) {
-            if (binning.scale[axis] == 0) continue;
-            const auto& row = bins[static_cast<size_t>(axis)];
-            std::array<double, kBins> right_cost{};
-            Box box;
-            uint64_t count = 0;
-            for (uint32_t i = kBins - 1; i > 0; --i) {
-                box.add(row[i].box);
-                count += row[i].count;
-                right_cost[i] = box.half_area() * static_cast<double>(blocks_of(count));
-            }
-            box = {};
-            count = 0;
-            for (uint32_t i = 1; i < kBins; ++i) {
-                box.add(row[i - 1].box);
-                count += row[i - 1].count;
-                if (count == 0 || count == range.size()) continue;
-                const double cost =
-                    box.half_area() * static_cast<double>(blocks_of(count)) + right_cost[i];
-                if (cost < best) {
-                    best = cost;
-                    range.axis = axis;
-                    range.split_bin = i;
-                }
-            }
-        }
-        return best;
-    }
-
     // Orders the range's primitives for its split and returns where the second part begins.
     uint64_t partition(const Range& range) {
+        if (range.axis != Range::kNoAxis) {
+            return range.begin +
+                   partition_range(primitives_.subspan(range.begin, range.size()), quality_, range);
+        }
         const auto first = primitives_.begin() + static_cast<std::ptrdiff_t>(range.begin);
         const auto last = primitives_.begin() + static_cast<std::ptrdiff_t>(range.end);
-        if (range.axis != Range::kNoAxis) {
-            const Binning binning(range.centroids);
-            const auto middle = std::partition(first, last, [&](const BuildPrimitive& p) {
-                return binning.bin(p, range.axis) < range.split_bin;
-            });
-            return static_cast<uint64_t>(middle - primitives_.begin());
-        }
         // Objects and triangles never share a leaf.
         const auto kinds = has_objects_ ? std::partition(first, last,
                                                          [](const BuildPrimitive& p) {
@@ -272,8 +176,8 @@ class Builder {
         if (kinds != first && kinds != last && range.size() <= kMaxLeafItems * kBlockWidth) {
             return static_cast<uint64_t>(kinds - primitives_.begin());
         }
-        const Vec3f e = range.centroids.upper - range.centroids.lower;
-        const int axis = e.x > e.y ? (e.x > e.z ? 0 : 2) : (e.y > e.z ? 1 : 2);
+        const Float4 e = range.centroids.upper - range.centroids.lower;
+        const int axis = e[0] > e[1] ? (e[0] > e[2] ? 0 : 2) : (e[1] > e[2] ? 1 : 2);
         const auto middle = first + static_cast<std::ptrdiff_t>(range.size() / 2);
         if (e[axis] > 0) {
             std::nth_element(
@@ -285,6 +189,7 @@ class Builder {
     }
 
     std::span<BuildPrimitive> primitives_;
+    BuildQuality quality_;
     const FillTriangle& fill_;
     bool has_objects_;
     std::stop_token stop_;
@@ -380,19 +285,24 @@ void join(UpperTree& upper, Tree& tree) {
 
 }  // namespace
 
-bool build_tree(std::span<BuildPrimitive> primitives, const FillTriangle& fill, WorkerPool* pool,
-                std::stop_token stop, const std::function<void(uint64_t)>& progress, Tree& tree) {
+bool build_tree(std::span<BuildPrimitive> primitives, BuildQuality quality,
+                const FillTriangle& fill, WorkerPool* pool, std::stop_token stop,
+                const std::function<void(uint64_t)>& progress, Tree& tree) {
     tree = {};
     if (primitives.empty()) return true;
     const bool has_objects =
         std::any_of(primitives.begin(), primitives.end(),
                     [](const BuildPrimitive& p) { return p.instance == kObjectPrimitive; });
-    Builder builder(primitives, fill, has_objects, stop);
+    Builder builder(primitives, quality, fill, has_objects, stop);
     const Range whole = builder.make_range(0, primitives.size(), 0);
     tree.is_empty = false;
-    tree.bounds = {whole.box.lower, whole.box.upper};
+    for (int i = 0; i < 3; ++i) {
+        tree.bounds.lower[i] = whole.box.lower[i];
+        tree.bounds.upper[i] = whole.box.upper[i];
+    }
     if (pool == nullptr || primitives.size() <= kSubtreeSize || whole.is_leaf) {
         tree.root = builder.build(whole, 0, tree);
+        tree.outgrows_cache = tree.bytes() > kCachedTreeBytes;
         if (progress) progress(primitives.size());
         return !stop.stop_requested();
     }
@@ -412,6 +322,7 @@ bool build_tree(std::span<BuildPrimitive> primitives, const FillTriangle& fill, 
     join(upper, tree);
     tree.depth = std::max(tree.depth, 1u);
     tree.root = ChildRef::inner(0);
+    tree.outgrows_cache = tree.bytes() > kCachedTreeBytes;
     return true;
 }
 

@@ -27,7 +27,8 @@ using FillTriangle =
 
 // Builds `tree` over the primitives, whose order it changes; false when stop was requested.
 // progress is told the number of primitives that have reached their leaves.
-bool build_tree(std::span<BuildPrimitive> primitives, const FillTriangle& fill, WorkerPool* pool,
-                std::stop_token stop, const std::function<void(uint64_t)>& progress, Tree& tree);
+bool build_tree(std::span<BuildPrimitive> primitives, BuildQuality quality,
+                const FillTriangle& fill, WorkerPool* pool, std::stop_token stop,
+                const std::function<void(uint64_t)>& progress, Tree& tree);
 
 }  // namespace talbot

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "core/geometry/bvh.h"
+#include "core/geometry/float4.h"
 #include "core/geometry/triangle.h"
 #include "core/math/ray.h"
 #include "core/math/robust.h"
@@ -18,9 +19,6 @@ namespace talbot {
 inline bool comes_before(const PrimitiveId& a, const PrimitiveId& b) {
     return a.instance != b.instance ? a.instance < b.instance : a.primitive < b.primitive;
 }
-
-// Four floats with elementwise arithmetic, in one register where there are such.
-using Float4 = float __attribute__((vector_size(16)));
 
 // A ray in the space of one tree. Its own t times t_scale (a power of two) is the world ray's t.
 struct LocalRay {
@@ -72,19 +70,24 @@ inline Vec3f rounded(const Vec3d& v) {
     return Vec3f(rounded(v.x), rounded(v.y), rounded(v.z));
 }
 
+inline constexpr uint64_t kDoubleBias = 1023;
+
 // The ray in the space of an instance: transformed in double and rounded once, its direction
 // brought to unit size by a power of two. False when it cannot be represented there.
-inline bool to_object_space(const Ray& ray, const SceneObject& object, LocalRay& local) {
+TALBOT_FORCE_INLINE bool to_object_space(const Ray& ray, const SceneObject& object,
+                                         LocalRay& local) {
     const Vec3d o = object.object_from_world * Vec3d(ray.o) + object.object_from_world_offset;
     const Vec3d d = object.object_from_world * Vec3d(ray.d);
     const double largest = max_component(glm::abs(d));
     if (!is_finite(o) || !is_finite(d) || !(largest > 0)) return false;
     if (max_component(glm::abs(o)) > kMaxCoordinate) return false;
-    const int exponent = std::ilogb(largest);
-    const double scale = std::ldexp(1.0, -exponent);
-    local.sheared = shear(rounded(o), rounded(d * scale));
+    // 2^-exponent of the largest component; a denormal one leaves no t_scale that float can hold.
+    const uint64_t exponent = std::bit_cast<uint64_t>(largest) >> 52;
+    if (exponent == 0 || exponent > 2 * kDoubleBias - 1) return false;
+    const double scale = std::bit_cast<double>((2 * kDoubleBias - exponent) << 52);
+    set_shear(local.sheared, rounded(o), rounded(d * scale));
     local.t_scale = static_cast<float>(scale);
-    local.t_unscale = 1 / local.t_scale;
+    local.t_unscale = static_cast<float>(std::bit_cast<double>(exponent << 52));
     local.instance = object.id;
     return local.t_scale > 0 && is_finite(local.t_scale) && is_finite(local.t_unscale);
 }

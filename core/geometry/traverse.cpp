@@ -196,6 +196,7 @@ HWY_INLINE void order(StackEntry& nearer, StackEntry& farther) {
 
 // Asks for the cache lines of a child, inner node or block, while its siblings are still looked at.
 HWY_INLINE void prefetch(const Tree& tree, uint32_t ref) {
+    if (!tree.outgrows_cache) return;
     const char* at = ChildRef::is_leaf(ref)
                          ? reinterpret_cast<const char*>(tree.blocks.data() + ChildRef::first(ref))
                          : reinterpret_cast<const char*>(tree.nodes.data() + ref);

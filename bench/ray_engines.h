@@ -1,0 +1,200 @@
+// The engines that the ray benchmark compares: Talbot's structure, and Embree with the same
+// triangles and instances where it is installed.
+#pragma once
+
+#include <time.h>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#if TALBOT_BENCH_EMBREE
+#include <embree3/rtcore.h>
+#endif
+
+#include "geometry_scenes.h"
+
+namespace talbot::bench {
+
+// Processor time of the calling thread, so that other load on the machine hardly counts.
+inline double thread_seconds() {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// One engine with one scene: traces a range of rays and returns how many hit.
+struct Engine {
+    std::string name;
+    std::function<uint64_t(const Ray* rays, size_t count, bool any)> trace;
+    double build_seconds = 0;
+    double bytes = 0;
+};
+
+inline uint64_t trace_talbot(const Accel& accel, const Ray* rays, size_t count, bool any) {
+    uint64_t hits = 0;
+    if (any) {
+        for (size_t i = 0; i < count; ++i) hits += accel.occluded(rays[i]);
+    } else {
+        Hit hit;
+        for (size_t i = 0; i < count; ++i) hits += accel.closest(rays[i], hit);
+    }
+    return hits;
+}
+
+inline Engine talbot_engine(const std::string& name, const Accel& accel) {
+    return {name,
+            [&accel](const Ray* rays, size_t count, bool any) {
+                return trace_talbot(accel, rays, count, any);
+            },
+            accel.stats().build_seconds, static_cast<double>(accel.stats().bytes)};
+}
+
+#if TALBOT_BENCH_EMBREE
+class EmbreeScene {
+  public:
+    EmbreeScene(const test::SceneData& data, RTCSceneFlags flags, RTCBuildQuality quality)
+        : device_(rtcNewDevice("threads=2")), flags_(flags), quality_(quality) {
+        rtcSetDeviceMemoryMonitorFunction(
+            device_,
+            [](void* self, ssize_t bytes, bool) {
+                static_cast<EmbreeScene*>(self)->bytes_ += bytes;
+                return true;
+            },
+            this);
+        const auto start = std::chrono::steady_clock::now();
+        scene_ = new_scene();
+        std::vector<RTCScene> shared(data.meshes.size(), nullptr);
+        for (const AccelInstance& instance : data.instances) {
+            RTCGeometry geometry = nullptr;
+            if (instance.identity) {
+                geometry = mesh_geometry(data.meshes[instance.mesh]);
+            } else {
+                RTCScene& mesh = shared[instance.mesh];
+                if (mesh == nullptr) {
+                    mesh = new_scene();
+                    attach(mesh, mesh_geometry(data.meshes[instance.mesh]));
+                    rtcCommitScene(mesh);
+                }
+                geometry = instance_geometry(mesh, instance.world_from_object);
+            }
+            attach(scene_, geometry);
+        }
+        rtcCommitScene(scene_);
+        seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        built_bytes_ = static_cast<double>(bytes_);
+        for (const RTCScene mesh : shared) {
+            if (mesh != nullptr) rtcReleaseScene(mesh);
+        }
+    }
+    ~EmbreeScene() {
+        rtcReleaseScene(scene_);
+        rtcReleaseDevice(device_);
+    }
+    EmbreeScene(const EmbreeScene&) = delete;
+    EmbreeScene& operator=(const EmbreeScene&) = delete;
+
+    uint64_t trace(const Ray* rays, size_t count, bool any) const {
+        uint64_t hits = 0;
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        for (size_t i = 0; i < count; ++i) {
+            alignas(16) RTCRayHit query{};
+            RTCRay& ray = query.ray;
+            ray.org_x = rays[i].o.x;
+            ray.org_y = rays[i].o.y;
+            ray.org_z = rays[i].o.z;
+            ray.dir_x = rays[i].d.x;
+            ray.dir_y = rays[i].d.y;
+            ray.dir_z = rays[i].d.z;
+            ray.tfar = rays[i].t_max;
+            ray.mask = 0xFFFFFFFFu;
+            if (any) {
+                rtcOccluded1(scene_, &context, &ray);
+                hits += ray.tfar < 0;
+            } else {
+                query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+                rtcIntersect1(scene_, &context, &query);
+                hits += query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+            }
+        }
+        return hits;
+    }
+    Engine engine(const std::string& name) const {
+        return {name,
+                [this](const Ray* rays, size_t count, bool any) { return trace(rays, count, any); },
+                seconds_, built_bytes_};
+    }
+
+  private:
+    RTCScene new_scene() {
+        RTCScene scene = rtcNewScene(device_);
+        rtcSetSceneFlags(scene, flags_);
+        rtcSetSceneBuildQuality(scene, quality_);
+        return scene;
+    }
+    static void attach(RTCScene scene, RTCGeometry geometry) {
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(scene, geometry);
+        rtcReleaseGeometry(geometry);
+    }
+    RTCGeometry mesh_geometry(const test::MeshData& mesh) {
+        RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                   mesh.positions.data(), 0, sizeof(Vec3f), mesh.positions.size());
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                   mesh.indices.data(), 0, 3 * sizeof(uint32_t), mesh.triangles());
+        return geometry;
+    }
+    RTCGeometry instance_geometry(RTCScene mesh, const Mat4d& world_from_object) {
+        RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(geometry, mesh);
+        float columns[12];
+        for (int column = 0; column < 4; ++column) {
+            for (int row = 0; row < 3; ++row)
+                columns[3 * column + row] = static_cast<float>(world_from_object[column][row]);
+        }
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+        return geometry;
+    }
+
+    RTCDevice device_ = nullptr;
+    RTCSceneFlags flags_;
+    RTCBuildQuality quality_;
+    RTCScene scene_ = nullptr;
+    std::atomic<int64_t> bytes_{0};
+    double built_bytes_ = 0;
+    double seconds_ = 0;
+};
+#endif
+
+// Mrays/s over all rays of a set with this many threads.
+inline double rate(const Engine& engine, const std::vector<Ray>& rays, bool any, unsigned threads,
+                   uint64_t& hits) {
+    std::vector<double> rates(threads, 0);
+    std::vector<uint64_t> found(threads, 0);
+    std::vector<std::thread> workers;
+    for (unsigned worker = 0; worker < threads; ++worker) {
+        workers.emplace_back([&, worker] {
+            const size_t begin = rays.size() * worker / threads;
+            const size_t end = rays.size() * (worker + 1) / threads;
+            const double start = thread_seconds();
+            found[worker] = engine.trace(rays.data() + begin, end - begin, any);
+            rates[worker] = 1e-6 * static_cast<double>(end - begin) / (thread_seconds() - start);
+        });
+    }
+    double sum = 0;
+    hits = 0;
+    for (unsigned worker = 0; worker < threads; ++worker) {
+        workers[worker].join();
+        sum += rates[worker];
+        hits += found[worker];
+    }
+    return sum;
+}
+
+}  // namespace talbot::bench

@@ -1,0 +1,69 @@
+// Where a range of primitives is best split by the surface area heuristic: between bins of
+// centroids, or, for small ranges of a high-quality tree, between any two centroids. References:
+// Wald 2007, "On fast construction of SAH-based bounding volume hierarchies".
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/geometry/bvh_build.h"
+#include "core/geometry/float4.h"
+#include "core/math/vec.h"
+
+namespace talbot {
+
+struct Box {
+    Float4 lower{kInfinity, kInfinity, kInfinity, kInfinity};
+    Float4 upper{-kInfinity, -kInfinity, -kInfinity, -kInfinity};
+
+    void add(const Float4& lo, const Float4& hi) {
+        lower = min4(lower, lo);
+        upper = max4(upper, hi);
+    }
+    void add(const Box& b) { add(b.lower, b.upper); }
+    // Half the surface; in double, so that boxes of any finite size have one.
+    double half_area() const {
+        const double x = static_cast<double>(upper[0]) - lower[0];
+        const double y = static_cast<double>(upper[1]) - lower[1];
+        const double z = static_cast<double>(upper[2]) - lower[2];
+        return x < 0 ? 0.0 : x * y + y * z + z * x;
+    }
+};
+
+inline Float4 lower_of(const BuildPrimitive& p) {
+    return Float4{p.lower.x, p.lower.y, p.lower.z, 0};
+}
+inline Float4 upper_of(const BuildPrimitive& p) {
+    return Float4{p.upper.x, p.upper.y, p.upper.z, 0};
+}
+
+// A range of primitives that becomes one child: a leaf, or to be split along `axis` (kNoAxis:
+// halved). Centroids are doubled, lower + upper.
+struct Range {
+    static constexpr int kNoAxis = -1;
+    uint64_t begin = 0;
+    uint64_t end = 0;
+    Box box;
+    Box centroids;
+    bool is_leaf = false;            // when it becomes a child, rather than an inner node
+    bool is_worth_splitting = true;  // among children of a node, where one more costs nothing
+    int axis = kNoAxis;
+    uint32_t split_bin = 0;  // the first one of the second part
+
+    uint64_t size() const { return end - begin; }
+};
+
+inline uint64_t blocks_of(uint64_t triangles) {
+    return (triangles + kBlockWidth - 1) / kBlockWidth;
+}
+
+// Sets how the range is split best and returns the cost of its two parts, infinite when there is no
+// split. Cost is half surface times blocks of triangles.
+double search_split(std::span<const BuildPrimitive> primitives, BuildQuality quality, Range& range);
+
+// Orders the primitives of a range with an axis for its split, and returns how many are in its
+// first part.
+uint64_t partition_range(std::span<BuildPrimitive> primitives, BuildQuality quality,
+                         const Range& range);
+
+}  // namespace talbot
