@@ -57,8 +57,11 @@ def main():
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--bounces", type=int, default=8)
     parser.add_argument("--rounds", type=int, default=2)
+    parser.add_argument("--quick", action="store_true", help="4 samples a pixel")
     parser.add_argument("--json")
     args = parser.parse_args()
+    if args.quick:
+        args.spp = 4
     if not shutil.which("blender"):
         print("SKIPPED: Blender is not installed (apt-get install blender), NOTHING WAS COMPARED")
         return 77
