@@ -3,7 +3,10 @@
 // comes first.
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_NO_INCLUDE_JSON
+
+// clang-format off
 #include <fstream>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json.hpp>  // before tinygltf's code, which uses it
 
 #include "core/io/gltf/model.h"
+// clang-format on
