@@ -159,8 +159,15 @@ size_t component_size(int component_type) {
     }
 }
 
-// Of an accessor without a buffer view.
-constexpr size_t kMostImplicitElements = size_t{1} << 16;
+// Zeros cost a file nothing, so a small one could ask for any amount of memory: an accessor without
+// a buffer view may be as long as the longest that has one.
+size_t most_implicit_elements(const Document& document) {
+    size_t most = size_t{1} << 16;
+    for (const tinygltf::Accessor& accessor : document.model.accessors) {
+        if (accessor.bufferView >= 0) most = std::max(most, accessor.count);
+    }
+    return most;
+}
 
 Result<AccessorView> open_accessor(const Document& document, int index) {
     const tinygltf::Accessor& accessor = document.model.accessors[static_cast<size_t>(index)];
@@ -197,12 +204,10 @@ Result<AccessorView> open_accessor(const Document& document, int index) {
                           size, view.count);
         if (!bytes) return bytes.error();
         view.data = bytes->data;
-    } else if (view.count > kMostImplicitElements) {
-        // Zeros cost a file nothing, so a small one could ask for any amount of memory.
+    } else if (const size_t most = most_implicit_elements(document); view.count > most) {
         return document.error(element, "declares " + std::to_string(view.count) +
                                            " elements without a buffer view; at most " +
-                                           std::to_string(kMostImplicitElements) +
-                                           " zeros are made up");
+                                           std::to_string(most) + " zeros are made up");
     }
     if (accessor.sparse.isSparse) {
         if (Status sparse = open_sparse(document, accessor, element, view); !sparse)
