@@ -13,9 +13,10 @@ namespace talbot {
 namespace {
 
 const char* const kStyle = R"(
-body{font:15px/1.45 system-ui,sans-serif;margin:2em auto;max-width:1080px;padding:0 1em;color:#222}
+body{font:15px/1.45 system-ui,sans-serif;margin:2em auto;max-width:1160px;padding:0 1em;color:#222}
 h1{font-size:1.5em}h2{font-size:1.15em;margin-top:2em}
-table{border-collapse:collapse}td,th{padding:.25em .8em;text-align:right;border-bottom:1px solid #ddd}
+table{border-collapse:collapse}td,th{padding:.25em .8em;text-align:right;border-bottom:1px solid #ddd;
+white-space:nowrap}
 td:first-child,th:first-child,td.text{text-align:left}
 .swatch{display:inline-block;width:.8em;height:.8em;border-radius:.2em;margin-right:.5em}
 .light{display:inline-block;width:.7em;height:.7em;border-radius:50%}
@@ -45,7 +46,7 @@ report.results.forEach((r,i)=>{const row=table.insertRow(),t=r.to_target,last=r.
  cell(last?figure(last.relrmse_percent)+' %':'-');cell(last?figure(last.seconds)+' s':'-');
  cell(last?figure(last.exponent):'-');
  cell(r.bias===null?'none':r.bias.significant?figure(r.bias.floor_percent)+' %':
-  'not seen (below '+figure(r.bias.hi95)+' %)');
+  r.bias.hi95>0?'below '+figure(r.bias.hi95)+' %':'no difference');
  const l=cell('','text');const dot=document.createElement('span');dot.className='light '+r.trust;
  dot.title=r.why;l.append(dot);cell(r.pareto?'yes':'');});
 const svg=document.getElementById('curves'),W=1000,H=520,L=60,R=20,T=15,B=45;

@@ -82,8 +82,8 @@ struct Axis {
 
 uint32_t curve_color(std::size_t i) {
     // Told apart by eyes of all kinds (Okabe, Ito 2008).
-    constexpr std::array<uint32_t, 8> kColors{0x0072B2, 0xD55E00, 0x009E73, 0xCC79A7,
-                                              0xE69F00, 0x56B4E9, 0x7A5230, 0x444444};
+    constexpr std::array<uint32_t, 10> kColors{0x0072B2, 0xD55E00, 0x009E73, 0xCC79A7, 0xE69F00,
+                                               0x56B4E9, 0x7A5230, 0x444444, 0x8A4FC7, 0x7FB800};
     return kColors[i % kColors.size()];
 }
 

@@ -171,10 +171,10 @@ void mark_pareto(std::vector<SweepResult>& results) {
     }
 }
 
-// Two significant digits, downwards.
-double rounded(double value) {
+// Two significant digits, upwards.
+double rounded_up(double value) {
     const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
-    return std::max(unit, std::floor(value / unit) * unit);
+    return std::ceil(value / unit) * unit;
 }
 
 }  // namespace
@@ -250,9 +250,10 @@ SweepOutcome run_sweep(const AccuracyScene& scene, const SweepPlan& plan, Worker
         }
         outcome.results.push_back(std::move(c.result));
     }
-    outcome.target_percent = plan.target_percent > 0
-                                 ? plan.target_percent
-                                 : rounded(std::max(outcome.results[0].last.relrmse_percent, 0.01));
+    outcome.target_percent =
+        plan.target_percent > 0
+            ? plan.target_percent
+            : rounded_up(std::max(outcome.results[0].last.relrmse_percent, 0.01));
     for (SweepResult& r : outcome.results) r.to_target = time_to_target(r, outcome.target_percent);
     mark_pareto(outcome.results);
     std::stable_sort(outcome.results.begin(), outcome.results.end(),

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Runs `talbot accuracy` as a user does and checks what it writes. Usage: check_accuracy.py TALBOT SOURCE_DIR"""
 import csv
+import html
 import html.parser
 import json
 import math
 import pathlib
 import re
+import shutil
 import struct
 import subprocess
 import sys
@@ -76,6 +78,45 @@ def check_html(text, report):
     check(all(p["url"].startswith("data:image/png;base64,iVBORw0KGgo") for p in pictures["images"]), "HTML: pictures are PNG")
 
 
+PROBE = """<script>
+const faults=[];window.onerror=(m)=>{faults.push(m);};console.error=(m)=>{faults.push(String(m));};
+window.addEventListener('load',()=>{
+ const over=document.querySelector('.over'),range=document.getElementById('range'),before=over.style.width;
+ range.value=20;range.dispatchEvent(new Event('input'));const after=over.style.width;
+ const point=document.querySelector('circle.point');point.dispatchEvent(new MouseEvent('mouseenter',{clientX:5,clientY:5}));
+ const tip=document.getElementById('tip'),text=tip.textContent;
+ const loads=performance.getEntriesByType('resource').filter(e=>!e.name.startsWith('data:')).map(e=>e.name);
+ const out=document.createElement('pre');out.id='probe';out.textContent=JSON.stringify({before,after,text,loads,faults,
+  rows:document.querySelectorAll('#table tbody tr').length,curves:document.querySelectorAll('polyline').length,
+  width:document.getElementById('left').naturalWidth});document.body.append(out);});
+</script>"""
+
+
+def check_in_browser(file, report):
+    """Moves the slider and reads a value under the pointer, where there is a browser."""
+    browser = shutil.which("chromium") or shutil.which("google-chrome")
+    if not browser:
+        print("no chromium: the report was not opened")
+        return
+    page = pathlib.Path(file)
+    probed = page.with_name("probed.html")
+    probed.write_text(page.read_text().replace("<head>", "<head>" + PROBE, 1))
+    with tempfile.TemporaryDirectory() as profile:
+        done = subprocess.run([browser, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={profile}",
+                               "--virtual-time-budget=3000", "--dump-dom", probed.as_uri()], capture_output=True, text=True, timeout=120)
+    found = re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.S)
+    check(found, f"browser: no answer: {done.stderr[-400:]}")
+    if not found:
+        return
+    seen = json.loads(html.unescape(found[1]))
+    check(not seen["faults"], f"browser: {seen['faults']}")
+    check(not seen["loads"], f"browser: loaded {seen['loads']}")
+    check(seen["before"] != seen["after"] and seen["after"].endswith("px"), f"browser: the wipe: {seen}")
+    check("samples" in seen["text"] and "%" in seen["text"], f"browser: under the pointer: {seen['text']}")
+    check(seen["rows"] == seen["curves"] == len(report["results"]), f"browser: rows and curves: {seen}")
+    check(seen["width"] == report["size"][0], f"browser: picture: {seen}")
+
+
 def check_sweep(talbot, scene, folder):
     files = {kind: str(folder / f"report.{kind}") for kind in ("json", "csv", "html", "png")}
     words = [talbot, "accuracy", scene, "--size", "48x48", "--budget", "6", "--sweep", "max-depth=1,2", "--sweep",
@@ -112,6 +153,7 @@ def check_sweep(talbot, scene, folder):
     png = open(files["png"], "rb").read()
     check(png[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">II", png[16:24]) == (1000, 640), "plot")
     check_html(open(files["html"]).read(), report)
+    check_in_browser(files["html"], report)
 
 
 def main():

@@ -49,18 +49,22 @@ BiasFloor measure_floor(const Film& half, const Film& now, const Film& base_half
         for (uint32_t x = 0; x < width; ++x) {
             BlockSums& block = blocks[static_cast<std::size_t>(y / kBlock) * columns + x / kBlock];
             block.pixels += 1;
+            // Over the channels first, for they share their noise.
+            double first = 0, second = 0;
             for (int c = 0; c < 3; ++c) {
                 const double a = mean_of(half.pixel(x, y), c) - mean_of(base_half.pixel(x, y), c);
                 const double b = later_mean(now.pixel(x, y), half.pixel(x, y), c) -
                                  later_mean(base_now.pixel(x, y), base_half.pixel(x, y), c);
                 const double r = mean_of(base_now.pixel(x, y), c);
                 block.product += a * b / (r * r + metric_constant(0));
-                block.first += a;
-                block.second += b;
-                block.noise += (a - b) * (a - b);
+                first += a;
+                second += b;
                 change += mean_of(now.pixel(x, y), c) - r;
                 brightness += r;
             }
+            block.first += first;
+            block.second += second;
+            block.noise += (first - second) * (first - second);
         }
     }
     double sum = 0, square = 0, pixels = 0, largest = 0;

@@ -25,7 +25,7 @@ static_assert(std::endian::native == std::endian::little, "film files are little
 static_assert(sizeof(FilmPixel) == 64 && sizeof(Rgb) == 12);
 
 constexpr char kMagic[8] = {'T', 'A', 'L', 'B', 'O', 'T', 'F', 'M'};
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 constexpr std::size_t kPrefixBytes = sizeof kMagic + 2 * sizeof(uint32_t);
 constexpr std::size_t kDigestBytes = 32;
 constexpr uint32_t kMaxHeaderBytes = 1u << 20;
