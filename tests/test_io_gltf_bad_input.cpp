@@ -405,7 +405,7 @@ TEST(Memory, DeclaredSizesAreSummedBeforeAllocation) {
                                         {"indices", {{"bufferView", i}, {"componentType", 5121}}},
                                         {"values", {{"bufferView", v}}}};
     b.add_node({{"mesh", b.add_mesh({{"POSITION", p}})}});
-    expect_refused(b.load(), "", "without a buffer view");
+    expect_refused(b.load(), "accessors[0]", "without a buffer view");
 
     // Many primitives that share one small accessor each: their sum counts.
     GltfBuilder many;
@@ -433,7 +433,7 @@ TEST(Memory, InstancesCount) {
                                         {"values", {{"bufferView", v}}}};
     b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
         {"TRANSLATION", t}};
-    expect_refused(b.load(), "", "without a buffer view");
+    expect_refused(b.load(), "accessors[1]", "without a buffer view");
 }
 
 TEST(Extensions, UnknownOnesAreReported) {
