@@ -7,6 +7,7 @@
 #include "app/scene_setup.h"
 #include "core/integrate/render_scene.h"
 #include "core/integrate/tiers.h"
+#include "core/io/gltf_loader.h"
 
 namespace talbot {
 namespace {
@@ -70,6 +71,17 @@ ordered_json describe(const SceneSetup& setup) {
     return j;
 }
 
+// Material variants and animations, which are chosen before loading.
+Status list_choices(const SceneSetup& setup, ordered_json& j) {
+    const Result<GltfChoices> choices = read_gltf_choices(setup.scene->file());
+    if (!choices) return choices.error();
+    j["variants"] = choices->variants;
+    j["animations"] = ordered_json::array();
+    for (const GltfAnimation& a : choices->animations)
+        j["animations"].push_back({{"name", a.name}, {"seconds", a.seconds}});
+    return Done{};
+}
+
 void print_list(const char* title, const ordered_json& list) {
     std::printf("%-12s%zu", title, list.size());
     constexpr std::size_t kShown = 12;
@@ -99,6 +111,11 @@ void print_text(const ordered_json& j) {
                 j["lights"]["punctual"].get<std::size_t>(),
                 j["lights"]["emitters"].get<std::size_t>(),
                 j["lights"]["environment"].get<bool>() ? "yes" : "no");
+    if (!j["variants"].empty()) print_list("variants", j["variants"]);
+    for (const auto& a : j["animations"]) {
+        std::printf("%-12s%s, %g s\n", "animation", a["name"].get<std::string>().c_str(),
+                    a["seconds"].get<double>());
+    }
     for (const auto& e : j["extensions"]) {
         std::printf("%-12s%s (%s, %s)\n", "extension", e["name"].get<std::string>().c_str(),
                     e["required"].get<bool>() ? "required" : "used",
@@ -130,7 +147,11 @@ int run_info(const Options& options) {
         log_error(setup.error().line());
         return exit_code(setup.error());
     }
-    const ordered_json j = describe(*setup);
+    ordered_json j = describe(*setup);
+    if (Status listed = list_choices(*setup, j); !listed) {
+        log_error(listed.error().line());
+        return exit_code(listed.error());
+    }
     if (options.json) {
         std::printf("%s\n", j.dump(2, ' ', false, ordered_json::error_handler_t::replace).c_str());
     } else {

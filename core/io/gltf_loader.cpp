@@ -45,6 +45,11 @@ class GltfLoader {
         const Result<std::optional<size_t>> scene = choose_scene(loading_);
         if (!scene) return scene.error();
         desc.name = scene_name(*scene);
+        const Result<std::optional<uint32_t>> variant = choose_variant(loading_);
+        if (!variant) return variant.error();
+        variant_ = *variant;
+        desc.warnings.insert(desc.warnings.end(), loading_.document.warnings.begin(),
+                             loading_.document.warnings.end());
         const Result<std::vector<PlacedNode>> nodes = place_nodes(loading_, *scene);
         if (!nodes) return nodes.error();
         place_cameras(loading_, *nodes);
@@ -77,26 +82,22 @@ class GltfLoader {
         return loading_.document.file.stem().string();
     }
 
-    // Scene material of a primitive.
-    static uint32_t material_of(const tinygltf::Primitive& primitive) {
-        return static_cast<uint32_t>(primitive.material + 1);
-    }
-
     std::vector<bool> used_materials(const SurfaceUses& uses) const {
         std::vector<bool> used(model_.materials.size() + 1, false);
-        for (const MeshUse& use : uses.meshes) {
-            for (const tinygltf::Primitive& primitive : model_.meshes[use.mesh].primitives)
-                used[material_of(primitive)] = true;
+        for (const MeshShape& shape : uses.shapes) {
+            for (const tinygltf::Primitive& primitive : model_.meshes[shape.mesh].primitives)
+                used[material_of(primitive, variant_)] = true;
         }
         for (const SphereUse& use : uses.spheres) used[use.material] = true;
         return used;
     }
 
-    PrimitiveRequest request(uint32_t mesh, uint32_t primitive) const {
+    PrimitiveRequest request(const MeshShape& shape, uint32_t primitive) const {
         PrimitiveRequest wanted;
-        wanted.mesh = mesh;
+        wanted.mesh = shape.mesh;
+        wanted.shape = &shape;
         wanted.primitive = primitive;
-        wanted.material = material_of(model_.meshes[mesh].primitives[primitive]);
+        wanted.material = material_of(model_.meshes[shape.mesh].primitives[primitive], variant_);
         wanted.uv_sets = tables_.uv_sets[wanted.material];
         // Tangents follow the first map that needs them.
         const Material& material = loading_.desc.materials[wanted.material];
@@ -120,12 +121,10 @@ class GltfLoader {
             wanted_image[image] = true;
             jobs.push_back({image, {}, {}, {}});
         }
-        first_primitive_.assign(model_.meshes.size(), kNotLoaded);
-        for (const MeshUse& use : uses.meshes) {
-            if (first_primitive_[use.mesh] != kNotLoaded) continue;
-            first_primitive_[use.mesh] = static_cast<uint32_t>(jobs.size());
-            const auto count = static_cast<uint32_t>(model_.meshes[use.mesh].primitives.size());
-            for (uint32_t p = 0; p < count; ++p) jobs.push_back({request(use.mesh, p), {}, {}, {}});
+        for (const MeshShape& shape : uses.shapes) {
+            first_primitive_.push_back(static_cast<uint32_t>(jobs.size()));
+            const auto count = static_cast<uint32_t>(model_.meshes[shape.mesh].primitives.size());
+            for (uint32_t p = 0; p < count; ++p) jobs.push_back({request(shape, p), {}, {}, {}});
         }
         return jobs;
     }
@@ -220,8 +219,9 @@ class GltfLoader {
                           std::to_string(skipped) + " primitives of points or lines are not drawn");
         }
         for (const MeshUse& use : uses.meshes) {
-            const size_t first = first_primitive_[use.mesh];
-            for (size_t p = 0; p < model_.meshes[use.mesh].primitives.size(); ++p) {
+            const size_t first = first_primitive_[use.shape];
+            const uint32_t mesh = uses.shapes[use.shape].mesh;
+            for (size_t p = 0; p < model_.meshes[mesh].primitives.size(); ++p) {
                 if (scene_mesh[first + p] == kNotLoaded) continue;
                 desc.instances.push_back({scene_mesh[first + p], use.object, use.world});
             }
@@ -255,7 +255,8 @@ class GltfLoader {
     const tinygltf::Model& model_;
     MaterialTables tables_;
     std::vector<DecodeJob> jobs_;
-    std::vector<uint32_t> first_primitive_;  // job of each mesh's first primitive
+    std::vector<uint32_t> first_primitive_;  // job of each shape's first primitive
+    std::optional<uint32_t> variant_;
 };
 
 }  // namespace
@@ -263,7 +264,8 @@ class GltfLoader {
 Result<SceneDesc> load_gltf(const std::filesystem::path& file, const LoadOptions& options) {
     try {
         if (options.progress) options.progress(0, "reading");
-        Result<gltf::Document> document = gltf::read_document(file, options.max_bytes);
+        Result<gltf::Document> document =
+            gltf::read_document(file, options.max_bytes, options.animation_time);
         if (!document) return document.error();
         if (options.stop.stop_requested())
             return Error{ErrorKind::cancelled, file.string(), "", "loading was cancelled"};

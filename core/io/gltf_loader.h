@@ -7,6 +7,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "core/base/result.h"
 #include "core/scene/scene_desc.h"
@@ -26,5 +27,18 @@ struct LoadOptions {
 // Bad input gives ErrorKind::bad_input with the file, the element (e.g. "accessors[3]") and what to do; a stop request gives
 // ErrorKind::cancelled.
 Result<SceneDesc> load_gltf(const std::filesystem::path& file, const LoadOptions& options = {});
+
+struct GltfAnimation {
+    std::string name;
+    double seconds = 0;  // the last key
+};
+
+// What a file offers to choose from.
+struct GltfChoices {
+    std::vector<std::string> variants;  // KHR_materials_variants
+    std::vector<GltfAnimation> animations;
+};
+
+Result<GltfChoices> read_gltf_choices(const std::filesystem::path& file);
 
 }  // namespace talbot

@@ -4,8 +4,10 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "core/io/gltf/animation.h"
 #include "core/io/gltf/extensions.h"
 #include "core/io/gltf/meshopt.h"
+#include "core/io/gltf/specular_glossiness.h"
 #include "core/io/gltf/structure.h"
 #include "core/io/gltf/uri.h"
 #include "core/io/image_io.h"
@@ -194,6 +196,15 @@ Json take(Json& root, const char* key) {
     return value;
 }
 
+// Images that come from others, behind those of the file.
+void add_roughness_images(Document& document, const std::vector<RoughnessImage>& images) {
+    for (const RoughnessImage& image : images) {
+        ImageSource source = document.images[image.source];
+        source.glossiness = image.factor;
+        document.images.push_back(std::move(source));
+    }
+}
+
 Status parse_model(Document& document, Json& root) {
     const std::vector<HiddenIndices> hidden = hide_bare_indices(root);
     const std::string text = root.dump();
@@ -210,7 +221,24 @@ Status parse_model(Document& document, Json& root) {
     if (!parsed) return document.error("", "is not valid glTF: " + one_line(errors));
     for (const HiddenIndices& entry : hidden) {
         document.model.meshes[entry.mesh].primitives[entry.primitive].indices = entry.accessor;
+        root["meshes"][entry.mesh]["primitives"][entry.primitive]["indices"] =
+            static_cast<uint64_t>(entry.accessor);
     }
+    return Done{};
+}
+
+// The model again, with the values that the animations give it.
+Status parse_animated(Document& document, Json& root, double seconds) {
+    const Status applied = apply_animations(document, seconds, root, document.warnings);
+    if (!applied) return applied;
+    if (Status shape = check_structure(root); !shape)
+        return document.error(shape.error().element, shape.error().what);
+    root.erase("buffers");
+    root.erase("images");
+    std::vector<tinygltf::BufferView> views = std::move(document.model.bufferViews);
+    document.model = {};
+    if (Status parsed = parse_model(document, root); !parsed) return parsed;
+    document.model.bufferViews = std::move(views);
     return Done{};
 }
 
@@ -220,7 +248,8 @@ std::string element_name(const char* array, size_t index) {
     return std::string(array) + "[" + std::to_string(index) + "]";
 }
 
-Result<Document> read_document(const std::filesystem::path& file, uint64_t max_bytes) {
+Result<Document> read_document(const std::filesystem::path& file, uint64_t max_bytes,
+                               std::optional<double> animation_time) {
     Document document;
     document.file = file;
     Result<std::vector<uint8_t>> bytes = read_file(file, max_bytes);
@@ -243,6 +272,7 @@ Result<Document> read_document(const std::filesystem::path& file, uint64_t max_b
     Result<std::vector<CompressedView>> compressed = find_compressed_views(*root);
     if (!compressed) return document.error(compressed.error().element, compressed.error().what);
     const std::vector<bool> needed = find_needed_buffers(*root, *compressed);
+    const std::vector<RoughnessImage> roughness_images = convert_specular_glossiness(*root);
     const Json buffers = take(*root, "buffers");
     Json images = take(*root, "images");
     if (Status parsed = parse_model(document, *root); !parsed) return parsed.error();
@@ -253,6 +283,14 @@ Result<Document> read_document(const std::filesystem::path& file, uint64_t max_b
     if (Status decoded = decode_views(document, *compressed, max_bytes); !decoded)
         return decoded.error();
     if (Status noted = note_images(document, images); !noted) return noted.error();
+    add_roughness_images(document, roughness_images);
+    if (animation_time && root->contains("animations")) {
+        // Their counts are all that the check of the structure needs.
+        (*root)["buffers"] = Json(buffers.size(), Json::object({{"byteLength", 0u}}));
+        (*root)["images"] = Json(document.images.size(), Json::object());
+        const Status animated = parse_animated(document, *root, *animation_time);
+        if (!animated) return animated.error();
+    }
     return document;
 }
 

@@ -26,6 +26,7 @@ struct ImageSource {
     std::string name;
     std::string uri;
     std::optional<uint32_t> buffer_view;
+    std::optional<double> glossiness;  // decoded as roughness: see RoughnessImage
 };
 
 struct Document {
@@ -35,6 +36,7 @@ struct Document {
     std::vector<BufferBytes> buffers;  // those of decoded views come after the file's
     uint64_t decoded_bytes = 0;        // in those, at most the limit of the caller
     std::vector<ImageSource> images;
+    std::vector<std::string> warnings;
 
     Error error(const std::string& element, const std::string& what) const {
         return {ErrorKind::bad_input, file.string(), element, what};
@@ -44,8 +46,10 @@ struct Document {
 // "accessors[3]"
 std::string element_name(const char* array, size_t index);
 
-// Reads and checks the file and its buffers; images stay unread.
-Result<Document> read_document(const std::filesystem::path& file, uint64_t max_bytes);
+// Reads and checks the file and its buffers; images stay unread. The model has the values that its
+// animations give it at animation_time, or those of the file.
+Result<Document> read_document(const std::filesystem::path& file, uint64_t max_bytes,
+                               std::optional<double> animation_time = std::nullopt);
 
 // The bytes of a buffer view, within its buffer.
 Result<std::span<const uint8_t>> view_bytes(const Document& document, size_t buffer_view);

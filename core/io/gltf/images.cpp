@@ -1,6 +1,9 @@
 // Where an image's bytes come from, and the check of its declared size before it is decoded.
 #include "core/io/gltf/images.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/io/gltf/uri.h"
 #include "core/io/gltf/values.h"
 #include "core/io/image_codecs.h"
@@ -44,6 +47,15 @@ Result<EncodedImage> encoded_image(const Document& document, size_t index, uint6
     return image;
 }
 
+// Green becomes 1 - factor * alpha; red and blue are not used.
+void make_roughness(double factor, Image8& image) {
+    for (size_t i = 0; i < image.rgba.size(); i += 4) {
+        const double roughness = 255 - factor * image.rgba[i + 3];
+        image.rgba[i] = image.rgba[i + 2] = image.rgba[i + 3] = 255;
+        image.rgba[i + 1] = static_cast<uint8_t>(std::lround(std::clamp(roughness, 0.0, 255.0)));
+    }
+}
+
 }  // namespace
 
 std::optional<uint32_t> image_of_texture(const tinygltf::Texture& texture) {
@@ -71,6 +83,8 @@ Result<std::shared_ptr<const Image8>> load_image8(const Document& document, size
     if (!budget.reserve(size->width * size->height * 4)) return over_budget(document, max_bytes);
     Result<Image8> image = decode_image8(encoded->bytes, encoded->label, kMaxImageTexels);
     if (!image) return fail(image.error());
+    if (const std::optional<double> factor = document.images[index].glossiness)
+        make_roughness(*factor, image.value());
     return std::make_shared<const Image8>(std::move(image.value()));
 }
 

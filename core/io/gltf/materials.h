@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/io/gltf/loading.h"
@@ -11,6 +13,16 @@ namespace talbot::gltf {
 
 // The two TEXCOORD_n sets that become uv[0] and uv[1] of every mesh with this material.
 using UvSets = std::array<uint32_t, 2>;
+
+// KHR_materials_variants: which variant the options name; empty inside when they name none. An
+// unknown name is a usage error that lists those there are.
+Result<std::optional<uint32_t>> choose_variant(const Loading& loading);
+
+// The names of the file's variants.
+std::vector<std::string> variant_names(const Document& document);
+
+// The scene material of a primitive under a variant.
+uint32_t material_of(const tinygltf::Primitive& primitive, std::optional<uint32_t> variant);
 
 struct MaterialTables {
     std::vector<UvSets> uv_sets;     // per scene material

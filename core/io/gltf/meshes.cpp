@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "core/io/gltf/accessor.h"
-#include "core/io/gltf/draco.h"
+#include "core/io/gltf/attributes.h"
+#include "core/io/gltf/deform.h"
 #include "core/io/gltf/tangents.h"
 #include "core/math/robust.h"
 
@@ -22,6 +22,7 @@ class PrimitiveLoader {
           request_(request),
           in_(document.model.meshes[request.mesh].primitives[request.primitive]),
           element_(primitive_name(request.mesh, request.primitive)),
+          source_(document, in_, element_),
           budget_(budget),
           max_bytes_(max_bytes) {}
 
@@ -30,7 +31,7 @@ class PrimitiveLoader {
             result_.is_points_or_lines = true;
             return std::move(result_);
         }
-        if (attribute("POSITION") < 0) {
+        if (!source_.has("POSITION")) {
             warn("has no POSITION; it is not drawn");
             return std::move(result_);
         }
@@ -38,12 +39,13 @@ class PrimitiveLoader {
              {&PrimitiveLoader::read_compressed, &PrimitiveLoader::read_triangles,
               &PrimitiveLoader::read_positions, &PrimitiveLoader::read_normals,
               &PrimitiveLoader::read_tangents, &PrimitiveLoader::read_texture_coordinates,
-              &PrimitiveLoader::read_colors}) {
+              &PrimitiveLoader::read_colors, &PrimitiveLoader::deform}) {
             if (Status done = (this->*step)(); !done) return done.error();
             if (is_empty_) return std::move(result_);
         }
         drop_unused_vertices();
         repair_normals();
+        repair_tangents();
         if (request_.wants_tangents && mesh_.tangents.empty() && !mesh_.normals.empty() &&
             !mesh_.uv[request_.tangent_uv_set].empty()) {
             if (!budget_.reserve(mesh_.positions.size() * sizeof(Vec4f)))
@@ -61,11 +63,6 @@ class PrimitiveLoader {
     void warn(const std::string& what) { result_.warnings.push_back(element_ + ": " + what); }
     Error fail(const std::string& what) const { return document_.error(element_, what); }
 
-    int attribute(const std::string& name) const {
-        const auto found = in_.attributes.find(name);
-        return found == in_.attributes.end() ? -1 : found->second;
-    }
-
     template <typename T>
     Status allocate(std::vector<T>& values, uint64_t count) {
         if (!budget_.reserve(count * sizeof(T))) return over_budget(document_, max_bytes_);
@@ -73,28 +70,14 @@ class PrimitiveLoader {
         return Done{};
     }
 
-    Status read_compressed() {
-        if (!is_draco(in_)) return Done{};
-        Result<DracoMesh> draco = decode_draco(document_, in_, element_, budget_, max_bytes_);
-        if (!draco) return draco.error();
-        draco_ = std::move(draco.value());
-        return Done{};
-    }
-
-    // Compressed attributes take the place of their accessors.
-    Result<AccessorView> open(const std::string& name) const {
-        if (draco_) {
-            const auto found = draco_->attributes.find(name);
-            if (found != draco_->attributes.end()) return found->second.view;
-        }
-        return open_accessor(document_, attribute(name));
-    }
+    Status read_compressed() { return source_.decompress(budget_, max_bytes_); }
 
     // The order in which vertices are drawn.
     Status read_order(size_t vertex_count, std::vector<uint32_t>& order) {
-        if (draco_) {
-            if (draco_->point_count != vertex_count) return fail("has the wrong count of vertices");
-            order = std::move(draco_->indices);
+        if (source_.draco()) {
+            if (source_.draco()->point_count != vertex_count)
+                return fail("has the wrong count of vertices");
+            order = std::move(source_.draco()->indices);
             return Done{};
         }
         if (in_.indices < 0) {
@@ -122,17 +105,17 @@ class PrimitiveLoader {
     }
 
     Status read_triangles() {
-        const Result<AccessorView> positions = open("POSITION");
+        const Result<AccessorView> positions = source_.open("POSITION");
         if (!positions) return positions.error();
-        vertex_count_ = positions->count;
+        range_.total = positions->count;
         std::vector<uint32_t> order;
-        if (Status done = read_order(vertex_count_, order); !done) return done;
+        if (Status done = read_order(range_.total, order); !done) return done;
         if (order.size() < 3) {
             warn("has fewer than three indices; it is not drawn");
             is_empty_ = true;
             return Done{};
         }
-        if (in_.mode == TINYGLTF_MODE_TRIANGLES || draco_) {
+        if (in_.mode == TINYGLTF_MODE_TRIANGLES || source_.draco()) {
             if (order.size() % 3 != 0) {
                 warn("the number of indices is not a multiple of three; the rest is not drawn");
                 order.resize(order.size() - order.size() % 3);
@@ -147,9 +130,9 @@ class PrimitiveLoader {
         const auto [low, high] = std::minmax_element(mesh_.indices.begin(), mesh_.indices.end());
         is_empty_ = low == mesh_.indices.end();
         if (is_empty_) return Done{};
-        first_ = *low;
-        used_ = size_t{*high} - *low + 1;
-        for (uint32_t& index : mesh_.indices) index -= static_cast<uint32_t>(first_);
+        range_.first = *low;
+        range_.count = size_t{*high} - *low + 1;
+        for (uint32_t& index : mesh_.indices) index -= static_cast<uint32_t>(range_.first);
         return Done{};
     }
 
@@ -187,37 +170,36 @@ class PrimitiveLoader {
             [](uint32_t a, uint32_t b, uint32_t c) { return a != b && b != c && c != a; });
     }
 
-    // Opens an attribute with as many elements as there are positions; `width_min` components at
-    // least.
-    Result<AccessorView> open_attribute(const std::string& name, size_t width_min,
-                                        size_t width_max) {
-        Result<AccessorView> view = open(name);
-        if (!view) return view.error();
-        if (view->count != vertex_count_) {
-            return fail("attribute " + name + " has " + std::to_string(view->count) +
-                        " elements, POSITION has " + std::to_string(vertex_count_));
-        }
-        if (view->components < width_min || view->components > width_max) {
-            return fail("attribute " + name + " has the wrong type");
-        }
-        return view;
-    }
-
     template <typename T>
     Status read_attribute(const std::string& name, size_t width_min, std::vector<T>& out,
                           const T& fill) {
         constexpr auto kWidth = static_cast<size_t>(T::length());
-        const Result<AccessorView> view = open_attribute(name, width_min, kWidth);
+        const Result<AccessorView> view = source_.open(name, range_.total, width_min, kWidth);
         if (!view) return view.error();
-        if (Status done = allocate(out, used_); !done) return done;
+        if (Status done = allocate(out, range_.count); !done) return done;
         if (view->components < kWidth) std::fill(out.begin(), out.end(), fill);
-        read_floats(*view, first_, used_, kWidth, &out[0].x);
+        read_floats(*view, range_.first, range_.count, kWidth, &out[0].x);
         return Done{};
     }
 
-    Status read_positions() {
-        if (Status done = read_attribute("POSITION", 3, mesh_.positions, Vec3f(0)); !done)
-            return done;
+    Status read_positions() { return read_attribute("POSITION", 3, mesh_.positions, Vec3f(0)); }
+
+    // Morph targets, then the skin, as the request's shape has them.
+    Status deform() {
+        if (request_.shape && !request_.shape->weights.empty()) {
+            const Status done = apply_morph_targets(source_, range_, request_.shape->weights,
+                                                    request_.uv_sets, budget_, max_bytes_, mesh_);
+            if (!done) return done;
+        }
+        if (request_.shape && !request_.shape->joints.empty()) {
+            if (Status done = apply_skin(source_, range_, request_.shape->joints, mesh_); !done)
+                return done;
+        }
+        drop_non_finite();
+        return Done{};
+    }
+
+    void drop_non_finite() {
         const auto finite = [&](uint32_t v) { return is_finite(mesh_.positions[v]); };
         const size_t dropped = keep_triangles([&](uint32_t a, uint32_t b, uint32_t c) {
             return finite(a) && finite(b) && finite(c);
@@ -226,36 +208,36 @@ class PrimitiveLoader {
             warn("positions that are not finite: " + std::to_string(dropped) +
                  " triangles are not drawn");
         is_empty_ = mesh_.indices.empty();
-        return Done{};
     }
 
     Status read_normals() {
-        if (attribute("NORMAL") < 0) return Done{};
+        if (!source_.has("NORMAL")) return Done{};
         return read_attribute("NORMAL", 3, mesh_.normals, Vec3f(0));
     }
 
     // Without normals the file's tangents must be ignored (glTF 2.0, section 3.7.2.1).
     Status read_tangents() {
-        if (!request_.wants_tangents || mesh_.normals.empty() || attribute("TANGENT") < 0)
+        if (!request_.wants_tangents || mesh_.normals.empty() || !source_.has("TANGENT"))
             return Done{};
-        if (Status done = read_attribute("TANGENT", 4, mesh_.tangents, Vec4f(0)); !done)
-            return done;
+        return read_attribute("TANGENT", 4, mesh_.tangents, Vec4f(0));
+    }
+
+    void repair_tangents() {
         for (Vec4f& t : mesh_.tangents) {
             const Vec3f direction = safe_normalize(Vec3f(t), Vec3f(0));
             if (direction == Vec3f(0)) {
                 warn("has tangents that are no directions; they are made anew");
                 mesh_.tangents.clear();
-                return Done{};
+                return;
             }
             t = Vec4f(direction, t.w < 0 ? -1.0f : 1.0f);
         }
-        return Done{};
     }
 
     Status read_texture_coordinates() {
         for (size_t set = 0; set < 2; ++set) {
             const std::string name = "TEXCOORD_" + std::to_string(request_.uv_sets[set]);
-            if (attribute(name) < 0) continue;
+            if (!source_.has(name)) continue;
             std::vector<Vec2f>& uv = mesh_.uv[set];
             if (Status done = read_attribute(name, 2, uv, Vec2f(0)); !done) return done;
             for (Vec2f& t : uv) {
@@ -266,7 +248,7 @@ class PrimitiveLoader {
     }
 
     Status read_colors() {
-        if (attribute("COLOR_0") < 0) return Done{};
+        if (!source_.has("COLOR_0")) return Done{};
         if (Status done = read_attribute("COLOR_0", 3, mesh_.colors, Vec4f(1)); !done) return done;
         for (Vec4f& color : mesh_.colors) {
             for (int i = 0; i < 4; ++i) color[i] = color[i] > 0 ? std::min(color[i], 1.0f) : 0.0f;
@@ -332,15 +314,13 @@ class PrimitiveLoader {
     const PrimitiveRequest& request_;
     const tinygltf::Primitive& in_;
     std::string element_;
+    AttributeSource source_;
     MemoryBudget& budget_;
     uint64_t max_bytes_;
     PrimitiveResult result_;
     Mesh mesh_;
-    std::optional<DracoMesh> draco_;
-    bool is_empty_ = false;    // nothing of it can be drawn
-    size_t vertex_count_ = 0;  // of the accessor
-    size_t first_ = 0;         // the used vertices are [first_, first_ + used_)
-    size_t used_ = 0;
+    VertexRange range_;      // the vertices of mesh_ among those of the accessors
+    bool is_empty_ = false;  // nothing of it can be drawn
 };
 
 }  // namespace

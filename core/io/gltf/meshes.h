@@ -7,6 +7,7 @@
 
 #include "core/io/gltf/loading.h"
 #include "core/io/gltf/materials.h"
+#include "core/io/gltf/shapes.h"
 
 namespace talbot::gltf {
 
@@ -17,6 +18,7 @@ struct PrimitiveRequest {
     UvSets uv_sets{0, 1};
     uint8_t tangent_uv_set = 0;  // of the two above
     bool wants_tangents = false;
+    const MeshShape* shape = nullptr;  // of this mesh; null: as the file has it
 };
 
 struct PrimitiveResult {

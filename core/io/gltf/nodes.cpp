@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/io/gltf/values.h"
 #include "core/math/robust.h"
 
 namespace talbot::gltf {
@@ -93,6 +94,13 @@ LocalTransform local_transform(const tinygltf::Node& node) {
     return local;
 }
 
+// KHR_node_visibility of the node alone.
+bool says_visible(const tinygltf::Node& node) {
+    const tinygltf::Value* extension = find_extension_value(node.extensions, "KHR_node_visibility");
+    const tinygltf::Value* visible = extension ? member(*extension, "visible") : nullptr;
+    return !visible || !visible->IsBool() || visible->Get<bool>();
+}
+
 std::string scene_names(const tinygltf::Model& model) {
     std::string names;
     for (size_t i = 0; i < model.scenes.size() && i < 20; ++i) {
@@ -143,11 +151,12 @@ Result<std::vector<PlacedNode>> place_nodes(Loading& loading, std::optional<size
     const std::vector<tinygltf::Node>& nodes = document.model.nodes;
     std::vector<PlacedNode> placed;
     std::vector<bool> seen(nodes.size(), false);
-    const auto place = [&](size_t i, const Mat4d& parent) {
+    const auto place = [&](size_t i, const Mat4d& parent, bool is_parent_visible) {
         if (seen[i]) return;
         seen[i] = true;
         const LocalTransform local = local_transform(nodes[i]);
-        placed.push_back({static_cast<uint32_t>(i), parent * local.full, parent * local.unscaled});
+        placed.push_back({static_cast<uint32_t>(i), parent * local.full,
+                          is_parent_visible && says_visible(nodes[i]), parent * local.unscaled});
     };
     if (scene) {
         for (const int root : document.model.scenes[*scene].nodes) {
@@ -156,19 +165,42 @@ Result<std::vector<PlacedNode>> place_nodes(Loading& loading, std::optional<size
                              node_name(static_cast<size_t>(root)) +
                                  " is listed as a root, but has a parent; the parent is ignored");
             }
-            place(static_cast<size_t>(root), Mat4d(1.0));
+            place(static_cast<size_t>(root), Mat4d(1.0), true);
         }
     } else {
         for (size_t i = 0; i < nodes.size(); ++i) {
-            if ((*parents)[i] == kNoParent) place(i, Mat4d(1.0));
+            if ((*parents)[i] == kNoParent) place(i, Mat4d(1.0), true);
         }
     }
     for (size_t head = 0; head < placed.size(); ++head) {
-        const Mat4d world = placed[head].world;
-        for (const int child : nodes[placed[head].node].children)
-            place(static_cast<size_t>(child), world);
+        const PlacedNode parent = placed[head];
+        for (const int child : nodes[parent.node].children)
+            place(static_cast<size_t>(child), parent.world, parent.is_visible);
     }
     return placed;
+}
+
+std::vector<Mat4d> all_node_worlds(const Document& document) {
+    const std::vector<tinygltf::Node>& nodes = document.model.nodes;
+    std::vector<Mat4d> worlds(nodes.size(), Mat4d(1.0));
+    std::vector<bool> is_child(nodes.size(), false);
+    for (const tinygltf::Node& node : nodes) {
+        for (const int child : node.children) is_child[static_cast<size_t>(child)] = true;
+    }
+    std::vector<size_t> queue;
+    for (size_t i = 0; i < nodes.size(); ++i) {
+        if (is_child[i]) continue;
+        worlds[i] = local_transform(nodes[i]).full;
+        queue.push_back(i);
+    }
+    for (size_t head = 0; head < queue.size(); ++head) {
+        for (const int child : nodes[queue[head]].children) {
+            const auto i = static_cast<size_t>(child);
+            worlds[i] = worlds[queue[head]] * local_transform(nodes[i]).full;
+            queue.push_back(i);
+        }
+    }
+    return worlds;
 }
 
 }  // namespace talbot::gltf

@@ -199,9 +199,23 @@ class StructureCheck {
         const auto mode = primitive.find("mode");
         if (!error_ && mode != primitive.end() && *mode > 6)
             fail(element + ".mode", mode->dump() + " is not a primitive mode");
+        check_variants(primitive, element);
         const Json* targets = check_object_array(primitive, "targets", element);
         for (size_t i = 0; targets && i < targets->size() && !error_; ++i) {
             check_attributes((*targets)[i], element + ".targets[" + std::to_string(i) + "]");
+        }
+    }
+
+    // The materials that KHR_materials_variants maps to.
+    void check_variants(const Json& primitive, const std::string& element) {
+        const Json::json_pointer where("/extensions/KHR_materials_variants/mappings");
+        if (!primitive.contains(where)) return;
+        const Json& mappings = primitive[where];
+        for (size_t i = 0; mappings.is_array() && i < mappings.size() && !error_; ++i) {
+            if (!mappings[i].is_object()) continue;
+            check_integer(
+                mappings[i], "material", "materials", true,
+                element + ".extensions.KHR_materials_variants.mappings[" + std::to_string(i) + "]");
         }
     }
 

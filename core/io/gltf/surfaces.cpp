@@ -30,11 +30,13 @@ bool is_singular(const Mat4d& m) {
 
 class SurfaceFinder {
   public:
-    explicit SurfaceFinder(Loading& loading) : loading_(loading), model_(loading.document.model) {}
+    explicit SurfaceFinder(Loading& loading)
+        : loading_(loading), model_(loading.document.model), shapes_(loading) {}
 
     Result<SurfaceUses> run(const std::vector<PlacedNode>& nodes) {
         for (const PlacedNode& placed : nodes) {
             const tinygltf::Node& node = model_.nodes[placed.node];
+            if (!placed.is_visible) continue;
             if (node.mesh >= 0) {
                 if (Status done = add_meshes(placed, node); !done) return done.error();
             }
@@ -47,6 +49,7 @@ class SurfaceFinder {
             loading_.desc.warnings.push_back(
                 std::to_string(dropped_) + " instances with zero or infinite scale are not drawn");
         }
+        uses_.shapes = shapes_.take();
         return std::move(uses_);
     }
 
@@ -66,16 +69,20 @@ class SurfaceFinder {
 
     Status add_meshes(const PlacedNode& placed, const tinygltf::Node& node) {
         std::vector<Mat4d> worlds{placed.world};
-        if (const auto* instancing =
-                find_extension_value(node.extensions, "EXT_mesh_gpu_instancing")) {
+        const auto* instancing = find_extension_value(node.extensions, "EXT_mesh_gpu_instancing");
+        // A skinned mesh stands where its joints are, whatever its node says.
+        if (instancing && node.skin < 0) {
             const Status done = read_instances(placed, *instancing, worlds);
             if (!done) return done.error();
         }
-        std::erase_if(worlds, [&](const Mat4d& world) { return !is_visible(world); });
+        if (node.skin < 0)
+            std::erase_if(worlds, [&](const Mat4d& world) { return !is_visible(world); });
         if (worlds.empty()) return Done{};
+        const Result<uint32_t> shape = shapes_.shape_of(node);
+        if (!shape) return shape.error();
+        if (node.skin >= 0) worlds = {shapes_[*shape].world};
         const uint32_t object = object_of(placed);
-        for (const Mat4d& world : worlds)
-            uses_.meshes.push_back({static_cast<uint32_t>(node.mesh), object, world});
+        for (const Mat4d& world : worlds) uses_.meshes.push_back({*shape, object, world});
         return Done{};
     }
 
@@ -189,6 +196,7 @@ class SurfaceFinder {
 
     Loading& loading_;
     const tinygltf::Model& model_;
+    ShapeTable shapes_;
     SurfaceUses uses_;
     size_t dropped_ = 0;
 };

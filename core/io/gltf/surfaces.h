@@ -5,12 +5,13 @@
 
 #include "core/io/gltf/loading.h"
 #include "core/io/gltf/nodes.h"
+#include "core/io/gltf/shapes.h"
 
 namespace talbot::gltf {
 
-// One use of a mesh of the file, before its primitives are loaded.
+// One use of a shape, before its primitives are loaded.
 struct MeshUse {
-    uint32_t mesh = 0;
+    uint32_t shape = 0;
     uint32_t object = 0;
     Mat4d world{1.0};
 };
@@ -24,6 +25,7 @@ struct SphereUse {
 };
 
 struct SurfaceUses {
+    std::vector<MeshShape> shapes;
     std::vector<MeshUse> meshes;
     std::vector<SphereUse> spheres;
 };

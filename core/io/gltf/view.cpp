@@ -137,7 +137,7 @@ Status place_lights(Loading& loading, const std::vector<PlacedNode>& nodes) {
     for (const PlacedNode& p : nodes) {
         const tinygltf::Value* extension =
             find_extension_value(model.nodes[p.node].extensions, "KHR_lights_punctual");
-        if (!extension) continue;
+        if (!extension || !p.is_visible) continue;
         const std::optional<uint32_t> index = index_member(*extension, "light");
         const std::string element =
             element_name("nodes", p.node) + ".extensions.KHR_lights_punctual";
