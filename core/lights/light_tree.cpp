@@ -14,6 +14,10 @@ constexpr uint8_t kAbsent = 0xFF;
 // From this level on nodes are halved by count, so that a trail fits 64 bits.
 constexpr unsigned kLevelsByCost = 30;
 constexpr int kBuckets = 12;
+// Larger clusters are split along their longest axis, without trying the others.
+constexpr std::size_t kAllAxes = 256;
+// Still larger ones in halves.
+constexpr std::size_t kLargestByCost = 8192;
 
 // Cosine and sine of max(0, a - b) for angles in [0, pi].
 struct CosSin {
@@ -34,12 +38,16 @@ void join_cones(const LightBounds& a, const LightBounds& b, LightBounds& out) {
     const bool swapped = a.cos_theta_o > b.cos_theta_o;
     const LightBounds& wide = swapped ? b : a;
     const LightBounds& narrow = swapped ? a : b;
-    const double o_wide = angle_of(wide.cos_theta_o);
-    const double o_narrow = angle_of(narrow.cos_theta_o);
-    const double between = angle_of(dot(wide.axis, narrow.axis));
     out.cos_theta_e = std::min(a.cos_theta_e, b.cos_theta_e);
     out.axis = wide.axis;
     out.cos_theta_o = wide.cos_theta_o;
+    // Most joins add one direction to a cone that holds it, or anything to all directions.
+    if (wide.cos_theta_o <= -1) return;
+    const float cos_between = dot(wide.axis, narrow.axis);
+    if (narrow.cos_theta_o >= 1 && cos_between >= wide.cos_theta_o) return;
+    const double o_wide = angle_of(wide.cos_theta_o);
+    const double o_narrow = angle_of(narrow.cos_theta_o);
+    const double between = angle_of(cos_between);
     if (std::min(between + o_narrow, std::numbers::pi) <= o_wide) return;
     const double joined = 0.5 * (o_wide + between + o_narrow);
     if (joined >= std::numbers::pi) {
@@ -109,10 +117,7 @@ struct LightTree::Builder {
             stack.pop_back();
             const auto index = static_cast<uint32_t>(tree.nodes_.size());
             if (task.parent != kNone) tree.nodes_[task.parent].second = index;
-            LightBounds bounds;
-            for (std::size_t i = task.first; i < task.last; ++i)
-                bounds = join(bounds, lights[order[i]]);
-            tree.nodes_.push_back(make_node(bounds));
+            tree.nodes_.emplace_back();
             if (task.last - task.first == 1) {
                 const uint32_t light = order[task.first];
                 tree.nodes_[index].leaf = true;
@@ -121,10 +126,24 @@ struct LightTree::Builder {
                 tree.depths_[light] = static_cast<uint8_t>(task.level);
                 continue;
             }
-            const std::size_t middle = split(order, task, bounds);
+            const std::size_t middle = split(order, task);
             const uint64_t bit = uint64_t{1} << task.level;
             stack.push_back({middle, task.last, index, task.trail | bit, task.level + 1});
             stack.push_back({task.first, middle, kNone, task.trail, task.level + 1});
+        }
+        bound_nodes();
+    }
+
+    // From the leaves up: children have higher indices than their parents.
+    void bound_nodes() {
+        std::vector<LightBounds> bounds(tree.nodes_.size());
+        for (std::size_t i = bounds.size(); i-- > 0;) {
+            Node& node = tree.nodes_[i];
+            bounds[i] = node.leaf ? lights[node.second] : join(bounds[i + 1], bounds[node.second]);
+            const Node links = node;
+            node = make_node(bounds[i]);
+            node.leaf = links.leaf;
+            node.second = links.second;
         }
     }
 
@@ -143,23 +162,32 @@ struct LightTree::Builder {
     }
 
     // Sorts order[first, last) into two parts and returns where the second begins.
-    std::size_t split(std::vector<uint32_t>& order, const Task& task, const LightBounds& bounds) {
+    std::size_t split(std::vector<uint32_t>& order, const Task& task) {
         const auto begin = order.begin() + static_cast<std::ptrdiff_t>(task.first);
         const auto end = order.begin() + static_cast<std::ptrdiff_t>(task.last);
         const std::size_t half = (task.first + task.last) / 2;
+        if (task.last - task.first == 2) return half;
         Vec3f lower = center_of(lights[*begin]);
         Vec3f upper = lower;
+        Vec3f bounds_lower = lights[*begin].lower;
+        Vec3f bounds_upper = lights[*begin].upper;
         for (auto i = begin; i != end; ++i) {
+            bounds_lower = glm::min(bounds_lower, lights[*i].lower);
+            bounds_upper = glm::max(bounds_upper, lights[*i].upper);
             lower = glm::min(lower, center_of(lights[*i]));
             upper = glm::max(upper, center_of(lights[*i]));
         }
-        const Vec3f extent = bounds.upper - bounds.lower;
+        const Vec3f extent = bounds_upper - bounds_lower;
         const float longest = max_component(extent);
         double best = std::numeric_limits<double>::infinity();
         int best_axis = -1;
         int best_bucket = 0;
-        for (int axis = 0; task.level < kLevelsByCost && axis < 3; ++axis) {
+        const bool by_cost = task.level < kLevelsByCost && task.last - task.first <= kLargestByCost;
+        for (int axis = 0; by_cost && axis < 3; ++axis) {
             if (!(upper[axis] > lower[axis])) continue;
+            if (task.last - task.first > kAllAxes &&
+                upper[axis] - lower[axis] < max_component(upper - lower))
+                continue;
             std::array<LightBounds, kBuckets> buckets{};
             for (auto i = begin; i != end; ++i) {
                 LightBounds& b = buckets[bucket_of(lights[*i], axis, lower, upper)];
@@ -170,6 +198,7 @@ struct LightTree::Builder {
                 above[k - 1] = join(k + 1 < kBuckets ? above[k] : LightBounds{}, buckets[k]);
             LightBounds below;
             for (std::size_t k = 0; k + 1 < kBuckets; ++k) {
+                if (!(buckets[k].power > 0)) continue;  // the same parts as at the last bucket
                 below = join(below, buckets[k]);
                 if (!(below.power > 0) || !(above[k].power > 0)) continue;
                 const double ratio = extent[axis] > 0 ? double{longest} / extent[axis] : 1;
