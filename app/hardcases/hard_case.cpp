@@ -1,0 +1,44 @@
+#include "app/hardcases/hard_case.h"
+
+#include <algorithm>
+
+namespace talbot::hardcases {
+namespace {
+
+std::vector<HardCase>& cases() {
+    static std::vector<HardCase> list;
+    return list;
+}
+
+std::vector<NotSimulated>& rows() {
+    static std::vector<NotSimulated> list;
+    return list;
+}
+
+}  // namespace
+
+bool add_case(HardCase hard_case) {
+    cases().push_back(std::move(hard_case));
+    return true;
+}
+
+bool add_not_simulated(NotSimulated row) {
+    rows().push_back(std::move(row));
+    return true;
+}
+
+std::vector<HardCase> all_cases() {
+    std::vector<HardCase> list = cases();
+    std::sort(list.begin(), list.end(),
+              [](const HardCase& a, const HardCase& b) { return a.id < b.id; });
+    return list;
+}
+
+std::vector<NotSimulated> all_not_simulated() {
+    std::vector<NotSimulated> list = rows();
+    std::sort(list.begin(), list.end(),
+              [](const NotSimulated& a, const NotSimulated& b) { return a.id < b.id; });
+    return list;
+}
+
+}  // namespace talbot::hardcases
