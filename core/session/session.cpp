@@ -356,7 +356,7 @@ class RenderSession::Impl {
 
     void update_object_ids() {
         const CameraRays camera(camera_, scene_->scene().origin(), settings_.width,
-                                settings_.height);
+                                settings_.height, scene_->scene().geometry().bounds);
         object_ids_ = render_object_ids(*scene_, camera, settings_.width, settings_.height, *pool_);
     }
 
