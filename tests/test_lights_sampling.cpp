@@ -7,10 +7,10 @@
 #include "core/lights/spherical_triangle.h"
 #include "core/lights/surface_light.h"
 #include "core/math/robust.h"
-#include "tests/scene_builder.h"
-#include "tests/stats/chi2.h"
-#include "tests/stats/random.h"
-#include "tests/stats/ztest.h"
+#include "oracles/scene_builder.h"
+#include "oracles/stats/chi2.h"
+#include "oracles/stats/random.h"
+#include "oracles/stats/ztest.h"
 
 namespace talbot {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot {
 namespace {
