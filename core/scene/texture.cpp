@@ -72,6 +72,10 @@ inline uint32_t nearest_texel(float u, uint32_t size) {
 
 }  // namespace
 
+float decode_byte(uint8_t byte, TextureEncoding encoding) {
+    return encoding == TextureEncoding::srgb ? kDecode.srgb[byte] : kDecode.linear[byte];
+}
+
 Vec4f eval_texture(const Texture& texture, const Vec2f& uv, TextureEncoding encoding) {
     const Image8& image = *texture.image;
     const float* color =
