@@ -1,5 +1,5 @@
-// sample(), eval() and pdf of a whole BSDF against each other: chi-square with cells that follow the
-// lobe's width, and the density's integral.
+// sample(), eval() and pdf of a whole BSDF against each other: chi-square with cells that follow
+// the lobe's width, and the density's integral.
 #pragma once
 
 #include "oracles/scattering_cases.h"
@@ -42,8 +42,8 @@ struct Agreement {
     int wrong_side = 0;  // samples not on the side that they say
 };
 
-inline Agreement compare_with_density(const ScatteringCase& c, const View& v, int draws, uint64_t seed,
-                               const Fault& fault = {}) {
+inline Agreement compare_with_density(const ScatteringCase& c, const View& v, int draws,
+                                      uint64_t seed, const Fault& fault = {}) {
     const FullBsdf bsdf = make_bsdf(c, v);
     const stats::SphereCells upper(lobe_axis(c, v, false), c.lobe_width(), 16, 8);
     const stats::SphereCells lower(lobe_axis(c, v, true), c.lobe_width(), 16, 8);

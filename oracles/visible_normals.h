@@ -10,8 +10,8 @@
 
 namespace talbot {
 
-// Integral of pdf(h), taken over slopes alpha r with r^2 = (1 - s^2) / s^2, where D cos has no peak;
-// 1 for the density of visible normals.
+// Integral of pdf(h), taken over slopes alpha r with r^2 = (1 - s^2) / s^2, where D cos has no
+// peak; 1 for the density of visible normals.
 template <typename Pdf>
 double visible_normals_integral(const Ggx& ggx, const Pdf& pdf, int radial = 1500) {
     constexpr int kTurn = 256;
@@ -35,7 +35,7 @@ double visible_normals_integral(const Ggx& ggx, const Pdf& pdf, int radial = 150
 // Chi-square of sampled normals against the density; `shift` displaces the rings of the histogram,
 // `scale` the density.
 inline double visible_normals_p(const Ggx& ggx, const Vec3f& wo, std::size_t shift, double scale,
-                         uint64_t seed, int draws = 100000) {
+                                uint64_t seed, int draws = 100000) {
     const stats::SphereCells cells(Vec3d(0, 0, 1), std::min(ggx.ax, ggx.ay));
     std::vector<double> observed(cells.size() + 1, 0.0);
     std::vector<double> expected(cells.size() + 1, 0.0);

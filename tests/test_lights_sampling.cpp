@@ -174,6 +174,22 @@ TEST(LightSampling, SpheresFollowTheirDensity) {
     }
 }
 
+// The density of a sphere is that of its exact radius, which a float cannot always say: seen from a
+// breath above it the cone's cosine is as sensitive as can be.
+TEST(LightSampling, ASphereIsSeenByItsExactRadius) {
+    SceneBuilder builder;
+    builder.sphere(Vec3d(0), 0.1, builder.material(lamp()));
+    const auto scene = builder.build(workers());
+    const LightTable table(*scene);
+    const Vec3f p(0, 0, 0.1f + 0x1p-27f);
+    const double sine = 0.1 / p.z;
+    const double omega = 2 * std::numbers::pi * (1 - std::sqrt(1 - sine * sine));
+    EXPECT_NEAR(pdf_sphere_light(table.lights()[0], p) * omega, 1, 1e-6);
+    const double rounded = double{0.1f} / p.z;
+    const double control = 2 * std::numbers::pi * (1 - std::sqrt(1 - rounded * rounded));
+    EXPECT_GT(std::abs(control / omega - 1), 1e-5) << "control: the radius as a float";
+}
+
 std::shared_ptr<const EnvironmentImage> sky_image(uint32_t w, uint32_t h) {
     auto image = std::make_shared<EnvironmentImage>();
     image->width = w;

@@ -37,8 +37,7 @@ Vec3d sample_solid_angle(const TriangleView& view, double omega, const Vec2f& u)
     const double half = 0.5 * static_cast<double>(u.x) * omega;
     const double volume = std::abs(dot(view.a, cross(view.b - view.a, view.c - view.a))) /
                           (length(view.a) * length(view.b) * length(view.c));
-    const double along_a =
-        volume * std::cos(half) - (dot(a, c) + dot(b, c)) * std::sin(half);
+    const double along_a = volume * std::cos(half) - (dot(a, c) + dot(b, c)) * std::sin(half);
     const double along_c = (1 + dot(a, b)) * std::sin(half);
     const Vec3d axis = along_a * a + along_c * c;
     const double square = dot(axis, axis);

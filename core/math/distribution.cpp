@@ -50,8 +50,7 @@ DiscreteDistribution::Pick DiscreteDistribution::sample(float u) const {
     const double width = cumulative_[index] - low;
     Pick pick;
     pick.index = static_cast<uint32_t>(index);
-    pick.probability =
-        static_cast<float>(width < kPlainShare ? small_mass(pick.index) : width);
+    pick.probability = static_cast<float>(width < kPlainShare ? small_mass(pick.index) : width);
     pick.u = std::min(static_cast<float>((static_cast<double>(u) - low) / width), kOneMinusEpsilon);
     return pick;
 }
@@ -63,9 +62,9 @@ double DiscreteDistribution::mass(uint32_t index) const {
 }
 
 double DiscreteDistribution::small_mass(uint32_t index) const {
-    const auto found = std::lower_bound(
-        small_.begin(), small_.end(), index,
-        [](const Small& entry, uint32_t wanted) { return entry.index < wanted; });
+    const auto found =
+        std::lower_bound(small_.begin(), small_.end(), index,
+                         [](const Small& entry, uint32_t wanted) { return entry.index < wanted; });
     return found != small_.end() && found->index == index ? found->mass : 0.0;
 }
 

@@ -1,5 +1,5 @@
-// L01: sphere lights from touching to 1e12 radii away, suns included. 1 - cos of the cone cancels, and
-// a direction towards a far sphere misses it.
+// L01: sphere lights from touching to 1e12 radii away, suns included. 1 - cos of the cone cancels,
+// and a direction towards a far sphere misses it.
 #include <algorithm>
 #include <numbers>
 
@@ -13,8 +13,9 @@ namespace {
 using Real = long double;
 constexpr Real kPiReal = std::numbers::pi_v<Real>;
 
-// Irradiance by a sphere of radiance 1, its cone's half-angle given by its sine, seen at angle omega
-// from the normal; clipped at the horizon (Snyder 1996, "Area light sources for real-time graphics").
+// Irradiance by a sphere of radiance 1, its cone's half-angle given by its sine, seen at angle
+// omega from the normal; clipped at the horizon (Snyder 1996, "Area light sources for real-time
+// graphics").
 Real irradiance(Real sin_cone, Real omega) {
     const Real sigma = std::asin(sin_cone);
     const Real half = kPiReal / 2;
@@ -25,7 +26,8 @@ Real irradiance(Real sin_cone, Real omega) {
     const Real c = std::cos(omega);
     const Real gamma = std::asin(std::min<Real>(1, std::cos(sigma) / s));
     const Real cos_gamma = std::cos(gamma);
-    const Real g = -2 * s * std::cos(sigma) * cos_gamma + half - gamma + std::sin(gamma) * cos_gamma;
+    const Real g =
+        -2 * s * std::cos(sigma) * cos_gamma + half - gamma + std::sin(gamma) * cos_gamma;
     const Real root = std::sqrt(std::max<Real>(0, sin_cone * sin_cone - cos_gamma * cos_gamma));
     const Real h = c * (cos_gamma * root +
                         sin_cone * sin_cone * std::asin(std::min<Real>(1, cos_gamma / sin_cone)));
@@ -69,8 +71,8 @@ struct Irradiances {
     double naive = 0, own = 0;
 };
 
-// Both estimates over a grid of samples; n is tilted by omega from the axis. The integrand is linear
-// in u where nothing is clipped, so that the grid is exact.
+// Both estimates over a grid of samples; n is tilted by omega from the axis. The integrand is
+// linear in u where nothing is clipped, so that the grid is exact.
 Irradiances estimate(const View1& v, double omega, int steps, double& naive_bad, double& own_bad) {
     const Vec3d n(std::sin(omega), 0, -std::cos(omega));
     const NaiveCone naive(static_cast<float>(v.lamp.light(0).e1.x), v.p.z);
@@ -118,7 +120,7 @@ double radial_p(const View1& v, int draws, uint64_t seed, bool naive) {
     const NaiveCone control(static_cast<float>(v.lamp.light(0).e1.x), v.p.z);
     const Real s2 = v.sin_cone * v.sin_cone;
     const Real whole = s2 / (1 + std::sqrt(1 - s2));
-    stats::Random random(seed);
+    stats::Random random(case_seed(seed));
     std::vector<double> depths;
     for (int i = 0; i < draws; ++i) {
         const Vec2f u = random.pair();
@@ -153,8 +155,8 @@ CaseImages picture(Effort effort, double& worst, uint64_t& nonfinite, WorkerPool
     settings.max_depth = 1;
     NonFiniteCount bad;
     CaseImages images;
-    images.own = render_film(scene, camera, settings, kSize, kSize,
-                             effort == Effort::full ? 64 : 8, pool, -1, &bad)
+    images.own = render_film(scene, camera, settings, kSize, kSize, effort == Effort::full ? 64 : 8,
+                             pool, -1, &bad)
                      .image(false);
     images.naive = images.own;
     nonfinite += bad.total();
@@ -165,15 +167,17 @@ CaseImages picture(Effort effort, double& worst, uint64_t& nonfinite, WorkerPool
                 rays.ray(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, Vec2f(0));
             Hit hit;
             if (!scene->accel().closest(ray, hit) || hit.is_sphere()) continue;
-            const Vec3d p = Vec3d(ray.o) + static_cast<double>(hit.t) * Vec3d(ray.d) + scene->origin();
+            const Vec3d p =
+                Vec3d(ray.o) + static_cast<double>(hit.t) * Vec3d(ray.d) + scene->origin();
             const Vec3d to = Vec3d(0, 10, 0) - p;
             const double d = length(to);
             const double cosine = to.y / d;
             const double expected = 0.8 * cosine * 100 / (d * d);
             // Pixels over the floor's edge mix with the black behind it.
             if (std::abs(p.x) < 1.8 && std::abs(p.z) < 1.8)
-                worst = std::max(worst, relative(static_cast<double>(images.own.rgb[y * kSize + x].y),
-                                                 expected));
+                worst = std::max(
+                    worst,
+                    relative(static_cast<double>(images.own.rgb[y * kSize + x].y), expected));
             const NaiveCone naive(static_cast<float>(10 * kSine), static_cast<float>(d));
             images.naive.rgb[y * kSize + x] =
                 Rgb(0.8f * kInvPi * static_cast<float>(cosine) / naive.pdf * sun.emissive_strength);
@@ -186,7 +190,7 @@ CaseImages picture(Effort effort, double& worst, uint64_t& nonfinite, WorkerPool
 
 CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
-    WorkerPool pool(threads_for(effort));
+    WorkerPool pool(run_settings().threads);
     CaseResult result;
     Worst naive;
     Worst own;
@@ -234,7 +238,8 @@ CaseResult run(Effort effort) {
     for (const double ratio : {1.0, 1 - 1e-7, 0.5, 0.0}) {
         const View1 v(1, ratio, pool);
         const float pdf = pdf_sphere_light(v.lamp.light(0), v.p);
-        if (pdf != 0 || sample_sphere_light(*v.lamp.scene, v.lamp.light(0), v.p, Vec2f(0.4f))) ++claimed;
+        if (pdf != 0 || sample_sphere_light(*v.lamp.scene, v.lamp.light(0), v.p, Vec2f(0.4f)))
+            ++claimed;
         if (NaiveCone(1, static_cast<float>(ratio)).pdf != 0) ++naive_claimed;
     }
     double p = 1;
@@ -256,11 +261,12 @@ CaseResult run(Effort effort) {
     result.measures.push_back({"the same with part of the sphere below the horizon",
                                naive_clipped.or_infinite(), clipped.or_infinite(), 1e-5,
                                Gate::at_most, clipped.where});
-    result.measures.push_back({"samples that are not finite", naive_bad, own_bad, 0, Gate::at_most, ""});
+    result.measures.push_back(
+        {"samples that are not finite", naive_bad, own_bad, 0, Gate::at_most, ""});
     result.measures.push_back({"places inside or on the sphere where a density is claimed",
                                naive_claimed, claimed, 0, Gate::at_most, ""});
-    result.measures.push_back({"smallest p that radial quantiles are even", naive_p, p, 1e-4,
-                               Gate::at_least, where});
+    result.measures.push_back(
+        {"smallest p that radial quantiles are even", naive_p, p, 1e-4, Gate::at_least, where});
     // Within a pixel the irradiance itself varies by about as much.
     result.measures.push_back({"relative error of a pixel under a sun of half-angle 1e-4",
                                std::nan(""), image, 0.02, Gate::at_most, ""});
@@ -269,7 +275,8 @@ CaseResult run(Effort effort) {
 }
 
 const bool kAdded = add_case(
-    {"L01", Priority::p0, "sphere lights, tiny, far, near and from inside", "1 - cos of the cone in float",
+    {"L01", Priority::p0, "sphere lights, tiny, far, near and from inside",
+     "1 - cos of the cone in float",
      "1 - cos = sin^2 / (1 + cos); the point on the sphere is computed, not intersected again",
      "mmp/pbrt-v3#212, #319; LuxCoreRender/LuxCore#443, #446; papaboo/Bifrost3D#44", run});
 

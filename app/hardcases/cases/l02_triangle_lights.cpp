@@ -1,5 +1,5 @@
-// L02: triangles by solid angle, from huge to tiny, slender, in their own plane and at a corner. The
-// sum of three angles less pi cancels.
+// L02: triangles by solid angle, from huge to tiny, slender, in their own plane and at a corner.
+// The sum of three angles less pi cancels.
 #include <numbers>
 
 #include "app/hardcases/cases/light_setup.h"
@@ -102,7 +102,8 @@ std::vector<Shape> shapes() {
         for (const double aspect : {1.0, 30.0, 1e3, 1e5}) {
             for (const double height : {1.0, 1e-2, 1e-7}) {
                 list.push_back({Vec3d(-0.3 * size, height, -0.4 * size / aspect),
-                                Vec3d(size, 0, 0.1 * size / aspect), Vec3d(0.2 * size, 0, size / aspect),
+                                Vec3d(size, 0, 0.1 * size / aspect),
+                                Vec3d(0.2 * size, 0, size / aspect),
                                 "size " + exact(size) + " aspect " + exact(aspect) + " height " +
                                     exact(height)});
                 list.push_back({Vec3d(0.7, height, 0.2), Vec3d(size, 0.3 * size, 0),
@@ -132,12 +133,12 @@ SceneBuilder one_triangle(const Shape& s) {
 CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
     const int draws = full ? 20000 : 100;
-    WorkerPool pool(threads_for(effort));
+    WorkerPool pool(run_settings().threads);
     Worst area, naive_area, beyond, naive_beyond, inverted;
     double bad = 0;
     double naive_bad = 0;
     Sweep sweep{"solid angle", "relative error of the solid angle", true, 1e-5, {}};
-    stats::Random random(21);
+    stats::Random random(case_seed(21));
     for (const Shape& s : shapes()) {
         const TriangleView view = view_of(s);
         const Real omega = reference(view);
@@ -150,8 +151,8 @@ CaseResult run(Effort effort) {
         const double naive_error = relative(static_cast<double>(naive), omega);
         naive_area.add(naive_error);
         if (is_finite(naive_error))
-            sweep.points.push_back({static_cast<double>(omega), std::min(naive_error, 1e3),
-                                    relative(own, omega)});
+            sweep.points.push_back(
+                {static_cast<double>(omega), std::min(naive_error, 1e3), relative(own, omega)});
         const LampScene lamp(one_triangle(s), pool);
         const Light& light = lamp.light(0);
         const Vec3f p = lamp.local(Vec3d(0));
@@ -179,20 +180,23 @@ CaseResult run(Effort effort) {
     std::sort(sweep.points.begin(), sweep.points.end(),
               [](const SweepPoint& a, const SweepPoint& b) { return a.parameter < b.parameter; });
 
-    // The light itself, from within its plane, at a corner and just above: nothing or something sound.
+    // The light itself, from within its plane, at a corner and just above: nothing or something
+    // sound.
     SceneBuilder builder;
     Mesh mesh;
     mesh.positions = {Vec3f(0, 0, 0), Vec3f(0, 0, 1), Vec3f(1, 0, 0)};
     mesh.indices = {0, 1, 2};
     builder.mesh(mesh, builder.material(lamp_material(true)));
     const LampScene lamp(builder, pool);
-    for (const Vec3d& world : {Vec3d(0.2, 0, 0.2), Vec3d(3, 0, 0), Vec3d(0), Vec3d(1, 0, 0),
-                               Vec3d(0.2, 1e-7, 0.2), Vec3d(0.2, 1e-38, 0.2), Vec3d(0.5, 1e-20, 0)}) {
+    for (const Vec3d& world :
+         {Vec3d(0.2, 0, 0.2), Vec3d(3, 0, 0), Vec3d(0), Vec3d(1, 0, 0), Vec3d(0.2, 1e-7, 0.2),
+          Vec3d(0.2, 1e-38, 0.2), Vec3d(0.5, 1e-20, 0)}) {
         const Vec3f p = lamp.local(world);
         for (int i = 0; i < draws; ++i) {
             const auto s = sample_triangle_light(*lamp.scene, lamp.light(0), p, random.pair());
             if (!s) continue;
-            if (!is_finite(s->pdf) || !(s->pdf > 0) || !is_finite(s->wi) || !is_finite(s->target)) ++bad;
+            if (!is_finite(s->pdf) || !(s->pdf > 0) || !is_finite(s->wi) || !is_finite(s->target))
+                ++bad;
         }
         const Light& l = lamp.light(0);
         const TriangleView view{Vec3d(l.p0) - Vec3d(p), Vec3d(l.p0 + l.e1) - Vec3d(p),
@@ -210,7 +214,8 @@ CaseResult run(Effort effort) {
     result.measures.push_back({"numbers found back from a direction, off (from 1e-4 sr on)",
                                std::nan(""), inverted.or_infinite(), 1e-4, Gate::at_most,
                                inverted.where});
-    result.measures.push_back({"results that are not finite", naive_bad, bad, 0, Gate::at_most, ""});
+    result.measures.push_back(
+        {"results that are not finite", naive_bad, bad, 0, Gate::at_most, ""});
     result.sweeps.push_back(sweep);
     return result;
 }
@@ -218,7 +223,8 @@ CaseResult run(Effort effort) {
 const bool kAdded = add_case(
     {"L02", Priority::p1, "triangle lights by solid angle", "sum of angles less pi, in float",
      "triple product of edges over a sum (Van Oosterom and Strackee 1983) in double; Arvo 1995",
-     "mmp/pbrt-v4#134, #211; MilchRatchet/Luminary#88; Devsh-Graphics-Programming/Nabla#1001", run});
+     "mmp/pbrt-v4#134, #211; MilchRatchet/Luminary#88; Devsh-Graphics-Programming/Nabla#1001",
+     run});
 
 }  // namespace
 }  // namespace talbot::hardcases

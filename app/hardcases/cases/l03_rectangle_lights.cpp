@@ -1,5 +1,5 @@
-// L03: rectangles of light (two triangles in glTF) at distances of 1e-7 to 1e7 of their size, slender
-// ones, from behind and from within their plane.
+// L03: rectangles of light (two triangles in glTF) at distances of 1e-7 to 1e7 of their size,
+// slender ones, from behind and from within their plane.
 #include <array>
 #include <numbers>
 
@@ -113,10 +113,10 @@ std::vector<Setup> setups() {
             for (const Vec3d& place : {Vec3d(0, 0, 1), Vec3d(0.31, -0.22, 1)}) {
                 // Distances in units of the short side.
                 const double short_side = 1;
-                list.push_back({aspect, short_side,
-                                Vec3d(place.x * aspect, place.y, distance), down,
-                                "aspect " + exact(aspect) + " distance " + exact(distance) + " at " +
-                                    exact(place.x) + " " + exact(place.y)});
+                list.push_back({aspect, short_side, Vec3d(place.x * aspect, place.y, distance),
+                                down,
+                                "aspect " + exact(aspect) + " distance " + exact(distance) +
+                                    " at " + exact(place.x) + " " + exact(place.y)});
             }
         }
     }
@@ -125,7 +125,7 @@ std::vector<Setup> setups() {
 
 CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
-    WorkerPool pool(threads_for(effort));
+    WorkerPool pool(run_settings().threads);
     Worst error;
     Worst naive_error;
     Worst contact;
@@ -156,8 +156,8 @@ CaseResult run(Effort effort) {
         (near ? contact : error).add(relative(f.own, expected), [&] { return s.where; });
         (near ? naive_contact : naive_error).add(relative(f.naive, expected));
         if (s.width == 1 && s.at.x == 0)
-            sweep.points.push_back({s.at.z, std::min(relative(f.naive, expected), 1e3),
-                                    relative(f.own, expected)});
+            sweep.points.push_back(
+                {s.at.z, std::min(relative(f.naive, expected), 1e3), relative(f.own, expected)});
     }
     // From within the plane and from behind: nothing.
     double leaked = 0;
@@ -166,8 +166,8 @@ CaseResult run(Effort effort) {
     builder.mesh(SceneBuilder::quad(Vec3f(-1, -1, 0), Vec3f(2, 0, 0), Vec3f(0, 2, 0)),
                  builder.material(lamp_material()));
     const LampScene lamp(builder, pool);
-    for (const Vec3d& at : {Vec3d(0.3, 0.2, 0), Vec3d(4, 0, 0), Vec3d(1, 1, 0), Vec3d(0.3, 0.2, -1e-6),
-                            Vec3d(0, 0, -5)}) {
+    for (const Vec3d& at : {Vec3d(0.3, 0.2, 0), Vec3d(4, 0, 0), Vec3d(1, 1, 0),
+                            Vec3d(0.3, 0.2, -1e-6), Vec3d(0, 0, -5)}) {
         const Setup s{2, 2, at, Vec3d(0.6, 0, 0.8), ""};
         const Figures f = estimate(s, lamp, lamp.local(at), 16);
         own_bad += f.own_bad;
@@ -178,11 +178,13 @@ CaseResult run(Effort effort) {
     CaseResult result;
     result.measures.push_back({"relative error of the irradiance", naive_error.or_infinite(),
                                error.or_infinite(), 1e-4, Gate::at_most, error.where});
-    result.measures.push_back({"the same within 1e-5 of the short side", naive_contact.or_infinite(),
-                               contact.or_infinite(), 1e-3, Gate::at_most, contact.where});
-    result.measures.push_back({"samples that are not finite", naive_bad, own_bad, 0, Gate::at_most, ""});
-    result.measures.push_back({"irradiance in the plane and behind", naive_leaked, leaked, 0,
-                               Gate::at_most, ""});
+    result.measures.push_back({"the same within 1e-5 of the short side",
+                               naive_contact.or_infinite(), contact.or_infinite(), 1e-3,
+                               Gate::at_most, contact.where});
+    result.measures.push_back(
+        {"samples that are not finite", naive_bad, own_bad, 0, Gate::at_most, ""});
+    result.measures.push_back(
+        {"irradiance in the plane and behind", naive_leaked, leaked, 0, Gate::at_most, ""});
     result.sweeps.push_back(sweep);
     return result;
 }

@@ -15,7 +15,8 @@ Real expected_radiance(const PunctualLight& light, const Vec3d& to) {
     if (light.kind == PunctualKind::spot) {
         const Vec3d axis(light.direction);
         const Real cosine = -(static_cast<Real>(to.x) * axis.x + static_cast<Real>(to.y) * axis.y +
-                              static_cast<Real>(to.z) * axis.z) / std::sqrt(d2);
+                              static_cast<Real>(to.z) * axis.z) /
+                            std::sqrt(d2);
         const Real outer = std::cos(static_cast<Real>(light.outer_cone_angle));
         const Real inner = std::cos(static_cast<Real>(light.inner_cone_angle));
         const Real s = inner > outer ? std::clamp<Real>((cosine - outer) / (inner - outer), 0, 1)
@@ -40,14 +41,15 @@ float naive_radiance(const PunctualLight& light, const Vec3f& to) {
     return value;
 }
 
-CaseResult run(Effort effort) {
-    WorkerPool pool(threads_for(effort));
+CaseResult run(Effort) {
+    WorkerPool pool(run_settings().threads);
     constexpr double kLargestFloat = 3.4028234e38;
     Worst error;
     double naive_bad = 0;
     double own_bad = 0;
     std::string where;
-    Sweep sweep{"distance in metres", "relative error of what arrives from a point light", true, 1e-6, {}};
+    Sweep sweep{
+        "distance in metres", "relative error of what arrives from a point light", true, 1e-6, {}};
 
     const auto judge = [&](const PunctualLight& light, const Vec3d& at, const std::string& name) {
         SceneBuilder builder;
@@ -69,8 +71,10 @@ CaseResult run(Effort effort) {
         if (std::isnan(got) || (s && !is_finite(s->wi)) || (holds && !is_finite(got))) {
             if (own_bad++ == 0) where = name;
         }
-        if (std::isnan(naive) || (holds && !is_finite(naive)) || (at_light && !is_finite(naive))) ++naive_bad;
-        if (holds && expected > Real(1e-30)) error.add(relative(got, expected), [&] { return name; });
+        if (std::isnan(naive) || (holds && !is_finite(naive)) || (at_light && !is_finite(naive)))
+            ++naive_bad;
+        if (holds && expected > Real(1e-30))
+            error.add(relative(got, expected), [&] { return name; });
         return holds ? relative(got, expected) : 0.0;
     };
 
@@ -80,28 +84,34 @@ CaseResult run(Effort effort) {
     judge(point, Vec3d(0), "point light, at itself");
     for (int e = -40; e <= 14; ++e) {
         const double d = std::pow(10.0, e);
-        const double own = judge(point, Vec3d(0.6 * d, -0.8 * d, 0), "point light, distance " + exact(d));
+        const double own =
+            judge(point, Vec3d(0.6 * d, -0.8 * d, 0), "point light, distance " + exact(d));
         const Vec3f to(Vec3d(-0.6 * d, 0.8 * d, 0));
         const Real expected = expected_radiance(point, Vec3d(to));
         if (expected < static_cast<Real>(kLargestFloat))
             sweep.points.push_back(
-                {d, std::min(relative(static_cast<double>(naive_radiance(point, to)), expected), 1e3), own});
+                {d,
+                 std::min(relative(static_cast<double>(naive_radiance(point, to)), expected), 1e3),
+                 own});
     }
     PunctualLight spot = point;
     spot.kind = PunctualKind::spot;
     spot.direction = Vec3f(0, -1, 0);
     const float half_pi = kPi / 2;
-    const std::pair<float, float> cones[] = {{0, 0.5f}, {0.5f, 0.5f}, {0, 0}, {half_pi, half_pi},
-                                             {0, 1e-6f}, {0.5f, 0.50000006f}, {0, half_pi}};
+    const std::pair<float, float> cones[] = {{0, 0.5f},          {0.5f, 0.5f}, {0, 0},
+                                             {half_pi, half_pi}, {0, 1e-6f},   {0.5f, 0.50000006f},
+                                             {0, half_pi}};
     for (const auto& [inner, outer] : cones) {
         spot.inner_cone_angle = inner;
         spot.outer_cone_angle = outer;
         // On the axis, in the cone, at its very edge, outside and at the light.
-        const double angles[] = {0, 0.3 * static_cast<double>(outer), static_cast<double>(outer), 2};
+        const double angles[] = {0, 0.3 * static_cast<double>(outer), static_cast<double>(outer),
+                                 2};
         for (const double a : angles) {
             for (const double d : {1e-18, 1.0, 1e6}) {
                 // At the edge itself the answer is a matter of the last bit: only finite is asked.
-                const std::string name = "spot " + exact(inner) + " " + exact(outer) + " angle " + exact(a);
+                const std::string name =
+                    "spot " + exact(inner) + " " + exact(outer) + " angle " + exact(a);
                 const Vec3d at(d * std::sin(a), -d * std::cos(a), 0);
                 if (a == static_cast<double>(outer) || inner >= 0.5f) {
                     Light record;
@@ -133,17 +143,19 @@ CaseResult run(Effort effort) {
 
     CaseResult result;
     result.nonfinite = bad.total();
-    result.measures.push_back({"results that are not finite where the true one is", naive_bad, own_bad,
-                               0, Gate::at_most, where});
-    result.measures.push_back({"relative error of what arrives", std::nan(""), error.or_infinite(), 1e-6,
-                               Gate::at_most, error.where});
-    result.measures.push_back({"light of a lamp without power", std::nan(""), lit, 0, Gate::at_most, ""});
+    result.measures.push_back({"results that are not finite where the true one is", naive_bad,
+                               own_bad, 0, Gate::at_most, where});
+    result.measures.push_back({"relative error of what arrives", std::nan(""), error.or_infinite(),
+                               1e-6, Gate::at_most, error.where});
+    result.measures.push_back(
+        {"light of a lamp without power", std::nan(""), lit, 0, Gate::at_most, ""});
     result.sweeps.push_back(sweep);
     return result;
 }
 
 const bool kAdded = add_case(
-    {"L04", Priority::p1, "punctual lights in degenerate set-ups", "float throughout, the cone's edge by division",
+    {"L04", Priority::p1, "punctual lights in degenerate set-ups",
+     "float throughout, the cone's edge by division",
      "distances in double; equal cone angles are a step; nothing arrives at the light itself",
      "mmp/pbrt-v4#130, appleseedhq/appleseed#1467", run});
 

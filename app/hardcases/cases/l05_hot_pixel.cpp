@@ -1,5 +1,5 @@
-// L05: an environment with one hot pixel. Float prefix sums stall behind it, and the sky that follows
-// is never sampled.
+// L05: an environment with one hot pixel. Float prefix sums stall behind it, and the sky that
+// follows is never sampled.
 #include <array>
 #include <numbers>
 
@@ -53,14 +53,15 @@ Real irradiance(const Map& m) {
     return pi + (static_cast<Real>(static_cast<float>(m.heat)) - 1) * tent;
 }
 
-// The control: one float prefix sum over all cells, weighted by the sine at the row's centre. What it
-// cannot pick is lost: returns the irradiance that is left, and how many cells have no width.
+// The control: one float prefix sum over all cells, weighted by the sine at the row's centre. What
+// it cannot pick is lost: returns the irradiance that is left, and how many cells have no width.
 Real naive_irradiance(const Map& m, double& unreachable) {
     const auto image = m.image();
     float sum = 0;
     Real lost = 0;
     for (uint32_t y = 0; y < m.height; ++y) {
-        const float sine = std::sin(kPi * (static_cast<float>(y) + 0.5f) / static_cast<float>(m.height));
+        const float sine =
+            std::sin(kPi * (static_cast<float>(y) + 0.5f) / static_cast<float>(m.height));
         const Real theta = std::numbers::pi_v<Real> * (y + Real(0.5)) / m.height;
         const Real cell = 2 * std::numbers::pi_v<Real> * std::numbers::pi_v<Real> /
                           (static_cast<Real>(m.width) * m.height) * std::sin(theta) *
@@ -89,12 +90,13 @@ Outcome measure(const Map& m, int draws, bool every_cell) {
     environment.image = m.image();
     const EnvironmentLight light(environment);
     Outcome out;
-    stats::Random random(9);
+    stats::Random random(case_seed(9));
     stats::Moments mean;
     for (int i = 0; i < draws; ++i) {
         double value = 0;
         if (const auto s = light.sample(random.pair()); s && s->pdf > 0 && s->wi.y > 0)
-            value = static_cast<double>(s->radiance.y) * static_cast<double>(s->wi.y) / static_cast<double>(s->pdf);
+            value = static_cast<double>(s->radiance.y) * static_cast<double>(s->wi.y) /
+                    static_cast<double>(s->pdf);
         mean.add(value);
     }
     const auto expected = static_cast<double>(irradiance(m));
@@ -137,13 +139,14 @@ CaseImages picture(Effort effort, uint64_t& nonfinite, WorkerPool& pool) {
     const uint64_t passes = effort == Effort::full ? 64 : 8;
     NonFiniteCount bad;
     CaseImages images;
-    images.own = render_film(builder.build(pool), camera, PathSettings{}, kSize, kSize, passes, pool,
-                             -1, &bad)
+    images.own = render_film(builder.build(pool), camera, PathSettings{}, kSize, kSize, passes,
+                             pool, -1, &bad)
                      .image(false);
     auto stalled = m.image();
     float sum = 0;
     for (uint32_t y = 0; y < m.height; ++y) {
-        const float sine = std::sin(kPi * (static_cast<float>(y) + 0.5f) / static_cast<float>(m.height));
+        const float sine =
+            std::sin(kPi * (static_cast<float>(y) + 0.5f) / static_cast<float>(m.height));
         for (uint32_t x = 0; x < m.width; ++x) {
             Rgb& texel = stalled->texels[std::size_t{y} * m.width + x];
             const float before = sum;
@@ -153,14 +156,15 @@ CaseImages picture(Effort effort, uint64_t& nonfinite, WorkerPool& pool) {
     }
     builder.desc().environment.image = stalled;
     images.naive =
-        render_film(builder.build(pool), camera, PathSettings{}, kSize, kSize, passes, pool).image(false);
+        render_film(builder.build(pool), camera, PathSettings{}, kSize, kSize, passes, pool)
+            .image(false);
     nonfinite += bad.total();
     return images;
 }
 
 CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
-    WorkerPool pool(threads_for(effort));
+    WorkerPool pool(run_settings().threads);
     CaseResult result;
     std::vector<Map> maps;
     const uint32_t w = full ? 2048 : 512;
@@ -174,15 +178,18 @@ CaseResult run(Effort effort) {
         maps.push_back({w, h, w / 5, h - 1, heat, "pole below"});
     }
     // Large enough, and just hot enough, that a float stalls and loses the most.
-    maps.push_back(full ? Map{8192, 4096, 2000, 1000, 1e9, "sky"} : Map{2048, 1024, 500, 200, 4e7, "sky"});
+    maps.push_back(full ? Map{8192, 4096, 2000, 1000, 1e9, "sky"}
+                        : Map{2048, 1024, 500, 200, 4e7, "sky"});
 
-    Sweep sweep{"heat of the pixel over the sky", "relative error of the irradiance", true, 0.004, {}};
+    Sweep sweep{
+        "heat of the pixel over the sky", "relative error of the irradiance", true, 0.004, {}};
     Worst z, unreachable, sum;
     double naive_unreachable = 0;
     Worst naive_z;
     for (const Map& m : maps) {
         const auto where = [&] {
-            return std::string(m.place) + " heat " + exact(m.heat) + " width " + std::to_string(m.width);
+            return std::string(m.place) + " heat " + exact(m.heat) + " width " +
+                   std::to_string(m.width);
         };
         const bool large = m.width > w;
         const Outcome out = measure(m, full ? 1000000 : 40000, !large || full);
@@ -201,8 +208,9 @@ CaseResult run(Effort effort) {
     std::sort(sweep.points.begin(), sweep.points.end(),
               [](const SweepPoint& a, const SweepPoint& b) { return a.parameter < b.parameter; });
     result.images.push_back(picture(effort, result.nonfinite, pool));
-    result.measures.push_back({"irradiance off, in standard errors (of the control: in steps of 0.1 %)",
-                               naive_z.value, z.or_infinite(), 4, Gate::at_most, z.where});
+    result.measures.push_back(
+        {"irradiance off, in standard errors (of the control: in steps of 0.1 %)", naive_z.value,
+         z.or_infinite(), 4, Gate::at_most, z.where});
     result.measures.push_back({"cells with light and no probability", naive_unreachable,
                                unreachable.or_infinite(), 0, Gate::at_most, unreachable.where});
     result.measures.push_back({"sum of all probabilities, off 1", std::nan(""), sum.or_infinite(),
@@ -213,7 +221,8 @@ CaseResult run(Effort effort) {
 
 const bool kAdded = add_case(
     {"L05", Priority::p0, "environment with one hot pixel", "one float prefix sum over all cells",
-     "rows and columns summed in double; a cell's weight is the mean of the bilinear lookup over it",
+     "rows and columns summed in double; a cell's weight is the mean of the bilinear lookup over "
+     "it",
      "mitsuba-renderer/mitsuba3#469, mitsuba-renderer/mitsuba2#173, mmp/pbrt-v3#62", run});
 
 }  // namespace

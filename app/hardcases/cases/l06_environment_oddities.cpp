@@ -1,5 +1,5 @@
-// L06: odd environments: black, black but for a row, one texel, the seam, the poles, texels that are no
-// radiance.
+// L06: odd environments: black, black but for a row, one texel, the seam, the poles, texels that
+// are no radiance.
 #include <filesystem>
 #include <numbers>
 
@@ -25,7 +25,8 @@ EnvironmentLight light_of(std::shared_ptr<const EnvironmentImage> image) {
     return EnvironmentLight(environment);
 }
 
-// The control: cells weighted by the sine at their centre, columns not wrapped, texels as they come.
+// The control: cells weighted by the sine at their centre, columns not wrapped, texels as they
+// come.
 struct NaiveLight {
     const EnvironmentImage& image;
     std::vector<float> sums;
@@ -39,7 +40,8 @@ struct NaiveLight {
     float sine(uint32_t row) const {
         return std::sin(kPi * (static_cast<float>(row) + 0.5f) / static_cast<float>(image.height));
     }
-    // Value over density of a sample facing up: the pdf of a cell over its area at the row's centre.
+    // Value over density of a sample facing up: the pdf of a cell over its area at the row's
+    // centre.
     double weight(const Vec2f& u) const {
         const float at = u.x * sums.back();
         std::size_t i = 0;
@@ -48,8 +50,10 @@ struct NaiveLight {
         const float p = (sums[i] - (i == 0 ? 0.0f : sums[i - 1])) / sums.back();
         const float area = 2 * kPi * kPi / static_cast<float>(image.width * image.height);
         const float pdf = p / (area * sine(row));
-        const float theta = kPi * (static_cast<float>(row) + u.y) / static_cast<float>(image.height);
-        return static_cast<double>(luminance(image.texels[i]) * std::max(0.0f, std::cos(theta)) / pdf);
+        const float theta =
+            kPi * (static_cast<float>(row) + u.y) / static_cast<float>(image.height);
+        return static_cast<double>(luminance(image.texels[i]) * std::max(0.0f, std::cos(theta)) /
+                                   pdf);
     }
     // Bilinear along a row, clamped at the ends.
     float across(float u, uint32_t row) const {
@@ -58,7 +62,8 @@ struct NaiveLight {
         const int i = static_cast<int>(std::floor(x));
         const float t = x - std::floor(x);
         const auto at = [&](int k) {
-            return image.texels[row * image.width + static_cast<uint32_t>(std::clamp(k, 0, last))].y;
+            return image.texels[row * image.width + static_cast<uint32_t>(std::clamp(k, 0, last))]
+                .y;
         };
         return at(i) * (1 - t) + at(i + 1) * t;
     }
@@ -80,21 +85,24 @@ Bad unusable(int draws) {
     maps.push_back(make_image(1, 1, Rgb(2)));
     maps.push_back(make_image(1, 64, Rgb(1e-30f)));
     maps.push_back(make_image(64, 1, Rgb(1e30f)));
-    stats::Random random(2);
+    stats::Random random(case_seed(2));
     for (std::size_t k = 0; k < maps.size(); ++k) {
         const EnvironmentLight light = light_of(maps[k]);
         // Black: no sampling at all.
-        if (k == 0 && (light.is_sampled() || !light.is_black() || light.sample(Vec2f(0.5f)))) ++bad.own;
+        if (k == 0 && (light.is_sampled() || !light.is_black() || light.sample(Vec2f(0.5f))))
+            ++bad.own;
         const NaiveLight naive(*maps[k]);
         for (int i = 0; i < draws; ++i) {
-            const Vec2f u = i < 4 ? Vec2f(i % 2 == 0 ? 0 : kOneMinusEpsilon, i < 2 ? 0 : kOneMinusEpsilon)
-                                  : random.pair();
+            const Vec2f u =
+                i < 4 ? Vec2f(i % 2 == 0 ? 0 : kOneMinusEpsilon, i < 2 ? 0 : kOneMinusEpsilon)
+                      : random.pair();
             if (const auto s = light.sample(u)) {
                 const float w = s->radiance.y / s->pdf;
-                if (!is_finite(s->wi) || !is_finite(s->pdf) || !(s->pdf > 0) || !is_finite(w)) ++bad.own;
+                if (!is_finite(s->wi) || !is_finite(s->pdf) || !(s->pdf > 0) || !is_finite(w))
+                    ++bad.own;
             }
-            for (const Vec3f& d : {sample_uniform_sphere(random.pair()), Vec3f(0, 1, 0), Vec3f(0, -1, 0),
-                                   Vec3f(-1, 0, -0.0f), Vec3f(-1, 0, 0)}) {
+            for (const Vec3f& d : {sample_uniform_sphere(random.pair()), Vec3f(0, 1, 0),
+                                   Vec3f(0, -1, 0), Vec3f(-1, 0, -0.0f), Vec3f(-1, 0, 0)}) {
                 const Rgb L = light.eval(d);
                 if (!is_finite(L) || min_component(L) < 0 || !is_finite(light.pdf(d))) ++bad.own;
                 if (L.y > 0 && !(light.pdf(d) > 0)) ++bad.own;
@@ -114,9 +122,11 @@ double one_texel(double& naive) {
     double sum = 0;
     for (int i = 0; i < kSteps; ++i) {
         for (int j = 0; j < kSteps; j += 100) {
-            const Vec2f u = {(static_cast<float>(j) + 50) / kSteps, (static_cast<float>(i) + 0.5f) / kSteps};
+            const Vec2f u = {(static_cast<float>(j) + 50) / kSteps,
+                             (static_cast<float>(i) + 0.5f) / kSteps};
             const auto s = light.sample(u);
-            sum += static_cast<double>(s->radiance.y * std::max(0.0f, s->wi.y)) / static_cast<double>(s->pdf);
+            sum += static_cast<double>(s->radiance.y * std::max(0.0f, s->wi.y)) /
+                   static_cast<double>(s->pdf);
             naive += control.weight(u);
         }
     }
@@ -124,9 +134,10 @@ double one_texel(double& naive) {
     return relative(sum / (kSteps * 10), std::numbers::pi);
 }
 
-// Largest jump over the seam, in units of what one rounding of the column coordinate moves the lookup.
+// Largest jump over the seam, in units of what one rounding of the column coordinate moves the
+// lookup.
 double seam(double& naive) {
-    stats::Random random(8);
+    stats::Random random(case_seed(8));
     double worst = 0;
     for (const uint32_t width : {2u, 7u, 256u, 4096u}) {
         const auto image = make_image(width, 4, Rgb(0));
@@ -142,7 +153,8 @@ double seam(double& naive) {
             worst = std::max(worst, std::abs(static_cast<double>(left) - right) / unit);
             const auto row = static_cast<uint32_t>(i % 4);
             naive = std::max(naive, std::abs(static_cast<double>(control.across(0, row)) -
-                                             control.across(kOneMinusEpsilon, row)) / unit);
+                                             control.across(kOneMinusEpsilon, row)) /
+                                        unit);
         }
     }
     return worst;
@@ -186,19 +198,21 @@ CaseResult run(Effort effort) {
     double naive_planted = 0;
     const double planted = planted_texels(naive_planted);
     CaseResult result;
-    result.measures.push_back({"samples and lookups that are not usable", bad.naive, bad.own, 0,
-                               Gate::at_most, ""});
-    result.measures.push_back({"irradiance of a map of one texel, off a constant sky", naive_constant,
-                               constant, 1e-5, Gate::at_most, ""});
-    result.measures.push_back({"jump over the seam, in roundings of the lookup", naive_seam, own_seam, 1,
-                               Gate::at_most, ""});
-    result.measures.push_back({"texels of a file that are no radiance and stayed or were not counted",
-                               naive_planted, planted, 0, Gate::at_most, ""});
+    result.measures.push_back(
+        {"samples and lookups that are not usable", bad.naive, bad.own, 0, Gate::at_most, ""});
+    result.measures.push_back({"irradiance of a map of one texel, off a constant sky",
+                               naive_constant, constant, 1e-5, Gate::at_most, ""});
+    result.measures.push_back({"jump over the seam, in roundings of the lookup", naive_seam,
+                               own_seam, 1, Gate::at_most, ""});
+    result.measures.push_back(
+        {"texels of a file that are no radiance and stayed or were not counted", naive_planted,
+         planted, 0, Gate::at_most, ""});
     return result;
 }
 
 const bool kAdded = add_case(
-    {"L06", Priority::p1, "odd environments", "sine at the row's centre, no wrap, texels as they come",
+    {"L06", Priority::p1, "odd environments",
+     "sine at the row's centre, no wrap, texels as they come",
      "exact solid angles of rows, wrapped columns, bad texels replaced and counted when loaded",
      "BachiLi/redner#28, mmp/pbrt-v3#63, cedricpinson/envtools#7", run});
 

@@ -52,8 +52,8 @@ std::vector<float> ends_of_unit_interval(int count, stats::Random& random) {
     return list;
 }
 
-void judge(const std::vector<double>& weights, const std::string& name, const std::vector<float>& us,
-           Figures& naive, Figures& own) {
+void judge(const std::vector<double>& weights, const std::string& name,
+           const std::vector<float>& us, Figures& naive, Figures& own) {
     const DiscreteDistribution distribution(weights);
     const FloatSums control(weights);
     Real total = 0;
@@ -75,7 +75,8 @@ void judge(const std::vector<double>& weights, const std::string& name, const st
     }
     for (const float u : us) {
         const DiscreteDistribution::Pick pick = distribution.sample(u);
-        const bool sound = pick.index < weights.size() && weights[pick.index] > 0 && pick.probability > 0;
+        const bool sound =
+            pick.index < weights.size() && weights[pick.index] > 0 && pick.probability > 0;
         if (!sound && own.wrong_picks++ == 0) own.where = name + " u " + exact(u);
         if (!(pick.u >= 0 && pick.u < 1)) ++own.outside;
         const std::size_t i = control.pick(u);
@@ -85,9 +86,10 @@ void judge(const std::vector<double>& weights, const std::string& name, const st
     }
 }
 
-// The light tree over powers of twelve decades: what a pick reports against what is told of it later.
+// The light tree over powers of twelve decades: what a pick reports against what is told of it
+// later.
 void judge_tree(Figures& own, Worst& sums, const std::vector<float>& us) {
-    stats::Random random(12);
+    stats::Random random(case_seed(12));
     std::vector<LightBounds> lights(300);
     for (std::size_t i = 0; i < lights.size(); ++i) {
         LightBounds& b = lights[i];
@@ -114,7 +116,7 @@ void judge_tree(Figures& own, Worst& sums, const std::vector<float>& us) {
 
 CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
-    stats::Random random(31);
+    stats::Random random(case_seed(31));
     const std::vector<float> us = ends_of_unit_interval(full ? 512 : 100, random);
     Figures naive;
     Figures own;
@@ -125,7 +127,8 @@ CaseResult run(Effort effort) {
             if (n > 1000000 && decades != 60) continue;
             std::vector<double> weights(n);
             for (double& w : weights) w = std::pow(10.0, random.between(-0.5, 0.5) * decades);
-            const std::string name = std::to_string(n) + " weights over " + exact(decades) + " decades";
+            const std::string name =
+                std::to_string(n) + " weights over " + exact(decades) + " decades";
             judge(weights, name, us, naive, own);
             // Zeros first, last, and now and then.
             std::vector<double> holes{0, 0};
@@ -148,17 +151,18 @@ CaseResult run(Effort effort) {
                                own.wrong_picks, 0, Gate::at_most, own.where});
     result.measures.push_back({"relative error of a probability", naive.mass.or_infinite(),
                                own.mass.or_infinite(), 1e-6, Gate::at_most, own.mass.where});
-    result.measures.push_back({"stretched numbers outside [0, 1)", naive.outside, own.outside, 0,
-                               Gate::at_most, ""});
+    result.measures.push_back(
+        {"stretched numbers outside [0, 1)", naive.outside, own.outside, 0, Gate::at_most, ""});
     result.measures.push_back({"probabilities of the light tree, sum off 1", std::nan(""),
                                tree_sum.or_infinite(), 1e-5, Gate::at_most, tree_sum.where});
     return result;
 }
 
-const bool kAdded = add_case(
-    {"L07", Priority::p0, "choice among weights of sixty decades", "float prefix sums",
-     "prefix sums in double, ended at the last weight; what a difference of sums cannot say is kept apart",
-     "nrc-cnrc/EGSnrc#24, openmc-dev/openmc#2427, BachiLi/lajolla_public#10", run});
+const bool kAdded =
+    add_case({"L07", Priority::p0, "choice among weights of sixty decades", "float prefix sums",
+              "prefix sums in double, ended at the last weight; what a difference of sums cannot "
+              "say is kept apart",
+              "nrc-cnrc/EGSnrc#24, openmc-dev/openmc#2427, BachiLi/lajolla_public#10", run});
 
 }  // namespace
 }  // namespace talbot::hardcases

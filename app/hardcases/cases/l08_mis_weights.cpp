@@ -1,4 +1,5 @@
-// L08: weights of two strategies for densities from 1e-38 to infinity. Squares overflow and underflow.
+// L08: weights of two strategies for densities from 1e-38 to infinity. Squares overflow and
+// underflow.
 #include "app/hardcases/cases/shading_setup.h"
 
 namespace talbot::hardcases {

@@ -1,5 +1,6 @@
-// L09: one decision, computed twice. Whether a ray meets a light is asked by the ray, and again by the
-// density of light sampling; near the light's edge, or its plane, two answers lose or double energy.
+// L09: one decision, computed twice. Whether a ray meets a light is asked by the ray, and again by
+// the density of light sampling; near the light's edge, or its plane, two answers lose or double
+// energy.
 #include <numbers>
 
 #include "app/hardcases/cases/light_setup.h"
@@ -18,7 +19,7 @@ struct Disagreements {
 // Rays within 1e-6 rad of a sphere's edge. The control decides by the cone's cosine.
 Disagreements at_sphere_edges(int rays, WorkerPool& pool) {
     Disagreements result;
-    stats::Random random(41);
+    stats::Random random(case_seed(41));
     constexpr int kScenes = 20;
     for (int k = 0; k < kScenes; ++k) {
         const double ratio = k % 4 == 0 ? 4.65e-3 : random.between(0.01, 0.95);
@@ -39,8 +40,9 @@ Disagreements at_sphere_edges(int rays, WorkerPool& pool) {
             const double phi = random.between(0, 2 * std::numbers::pi);
             Ray ray;
             ray.o = p;
-            ray.d = Vec3f(normalize(std::cos(angle) * to + std::sin(angle) * (std::cos(phi) * Vec3d(t) +
-                                                                              std::sin(phi) * Vec3d(b))));
+            ray.d = Vec3f(
+                normalize(std::cos(angle) * to +
+                          std::sin(angle) * (std::cos(phi) * Vec3d(t) + std::sin(phi) * Vec3d(b))));
             Hit hit;
             const bool met = lamp.scene->accel().closest(ray, hit);
             const bool claimed =
@@ -53,14 +55,16 @@ Disagreements at_sphere_edges(int rays, WorkerPool& pool) {
     return result;
 }
 
-// Points all but in the plane of a one-sided triangle: does the ray that meets it see its front, and
-// does light sampling there? The control tells its sides by the height over the plane.
+// Points all but in the plane of a one-sided triangle: does the ray that meets it see its front,
+// and does light sampling there? The control tells its sides by the height over the plane.
 Disagreements in_triangle_planes(int tries, WorkerPool& pool) {
     Disagreements result;
-    stats::Random random(43);
+    stats::Random random(case_seed(43));
     constexpr int kScenes = 20;
     for (int k = 0; k < kScenes; ++k) {
-        const auto corner = [&] { return Vec3f(random.pair().x, random(), random()) * 4.0f - 2.0f; };
+        const auto corner = [&] {
+            return Vec3f(random.pair().x, random(), random()) * 4.0f - 2.0f;
+        };
         Mesh mesh;
         mesh.positions = {corner(), corner(), corner()};
         mesh.indices = {0, 1, 2};
@@ -83,7 +87,8 @@ Disagreements in_triangle_planes(int tries, WorkerPool& pool) {
             Hit hit;
             if (!lamp.scene->accel().closest(ray, hit)) continue;
             const bool front = make_surface_interaction<kGlossyTier>(*lamp.scene, ray, hit).front;
-            const bool sampled = sample_triangle_light(*lamp.scene, light, p, Vec2f(0.4f, 0.3f)).has_value();
+            const bool sampled =
+                sample_triangle_light(*lamp.scene, light, p, Vec2f(0.4f, 0.3f)).has_value();
             // Seen but never sampled, while a density is claimed for it: energy is lost.
             const bool claimed = pdf_triangle_light(light, p, p + hit.t * ray.d) > 0;
             if (front && claimed && !sampled && result.own++ == 0)
@@ -105,7 +110,8 @@ double brightest(WorkerPool& pool, uint32_t size, uint64_t passes, std::string& 
                  builder.material(floor));
     const uint32_t lamp = builder.material(lamp_material());
     builder.sphere(Vec3d(-0.8, 0.5, 0), 0.45, lamp);
-    builder.mesh(SceneBuilder::quad(Vec3f(0.3f, 0.1f, -0.6f), Vec3f(0, 0.9f, 0), Vec3f(0, 0, 1.2f)), lamp);
+    builder.mesh(SceneBuilder::quad(Vec3f(0.3f, 0.1f, -0.6f), Vec3f(0, 0.9f, 0), Vec3f(0, 0, 1.2f)),
+                 lamp);
     Material sun = lamp_material();
     sun.emissive_strength = 4e4f;
     builder.sphere(Vec3d(300, 700, 200), 3.6, builder.material(sun));
@@ -124,7 +130,8 @@ double brightest(WorkerPool& pool, uint32_t size, uint64_t passes, std::string& 
             uint64_t which = 0;
             NoRecorder recorder;
             for (uint64_t i = 0; i < passes; ++i) {
-                const PathSample s = trace_path<kGlossyTier>(scene, rays, settings, x, y, i, recorder);
+                const PathSample s =
+                    trace_path<kGlossyTier>(scene, rays, settings, x, y, i, recorder);
                 const auto value = static_cast<double>(luminance(s.Li));
                 sum += value;
                 if (value > most) most = value, which = i;
@@ -144,7 +151,7 @@ double brightest(WorkerPool& pool, uint32_t size, uint64_t passes, std::string& 
 
 CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
-    WorkerPool pool(threads_for(effort));
+    WorkerPool pool(run_settings().threads);
     const Disagreements sphere = at_sphere_edges(full ? 20000000 : 100000, pool);
     const Disagreements triangle = in_triangle_planes(full ? 10000000 : 100000, pool);
     std::string where;
@@ -152,17 +159,18 @@ CaseResult run(Effort effort) {
     CaseResult result;
     result.measures.push_back({"rays at a sphere's edge on which ray and density disagree",
                                sphere.naive, sphere.own, 0, Gate::at_most, sphere.where});
-    result.measures.push_back({"rays in a triangle's plane that see its front, which sampling denies",
-                               triangle.naive, triangle.own, 0, Gate::at_most, triangle.where});
-    result.measures.push_back({"brightest sample over its pixel's mean", std::nan(""), ratio, 50,
-                               Gate::at_most, where});
+    result.measures.push_back(
+        {"rays in a triangle's plane that see its front, which sampling denies", triangle.naive,
+         triangle.own, 0, Gate::at_most, triangle.where});
+    result.measures.push_back(
+        {"brightest sample over its pixel's mean", std::nan(""), ratio, 50, Gate::at_most, where});
     return result;
 }
 
-const bool kAdded = add_case(
-    {"L09", Priority::p1, "edges of lights, decided once", "the cone's cosine, the height over the plane",
-     "the ray's hit alone decides; the density does not ask again", "mitsuba-renderer/mitsuba3#1721",
-     run});
+const bool kAdded = add_case({"L09", Priority::p1, "edges of lights, decided once",
+                              "the cone's cosine, the height over the plane",
+                              "the ray's hit alone decides; the density does not ask again",
+                              "mitsuba-renderer/mitsuba3#1721", run});
 
 }  // namespace
 }  // namespace talbot::hardcases

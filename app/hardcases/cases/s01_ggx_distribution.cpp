@@ -50,9 +50,9 @@ CaseResult run(Effort effort) {
                                     std::sin(theta) * std::sin(phi), std::cos(theta)));
                 const Quad d = reference(ax, ay, h);
                 const auto judge = [&](Worst& total, Worst& here, float value) {
-                    const double error =
-                        is_finite(value) ? std::abs(static_cast<double>((value - d) / d))
-                                         : std::numeric_limits<double>::infinity();
+                    const double error = is_finite(value)
+                                             ? std::abs(static_cast<double>((value - d) / d))
+                                             : std::numeric_limits<double>::infinity();
                     total.add(error, [&] {
                         return "alpha " + exact(ax) + " " + exact(ay) + " h " + exact(h);
                     });
@@ -64,8 +64,8 @@ CaseResult run(Effort effort) {
         }
         sweep.points.push_back({alpha, naive_here.value, own_here.value});
     }
-    result.measures.push_back({"largest relative error of D", naive.value, own.value, 2e-6,
-                               Gate::at_most, own.where});
+    result.measures.push_back(
+        {"largest relative error of D", naive.value, own.value, 2e-6, Gate::at_most, own.where});
     result.measures.push_back({"values not finite", static_cast<double>(naive.nonfinite),
                                static_cast<double>(own.nonfinite), 0, Gate::at_most, ""});
     result.sweeps.push_back(sweep);

@@ -1,4 +1,5 @@
-// S02: roughness towards 0. One alpha of 0 divides by zero, and small roughness must join the mirror.
+// S02: roughness towards 0. One alpha of 0 divides by zero, and small roughness must join the
+// mirror.
 #include "app/hardcases/cases/shading_setup.h"
 #include "oracles/scattering_cases.h"
 #include "oracles/stats/random.h"
@@ -15,7 +16,7 @@ double sky(const Vec3f& w) {
 // Light returned of that sky, by sampling.
 stats::Moments returned(const ScatteringCase& c, const View& v, int draws, Worst& bad) {
     const FullBsdf bsdf = make_bsdf(c, v);
-    stats::Random random(7);
+    stats::Random random(case_seed(7));
     stats::Moments m;
     for (int i = 0; i < draws; ++i) {
         const float u_lobe = random();
@@ -23,9 +24,8 @@ stats::Moments returned(const ScatteringCase& c, const View& v, int draws, Worst
         const double value = s ? static_cast<double>(s->weight.y) * sky(s->wi) : 0.0;
         const BsdfEval e = bsdf.eval(s ? s->wi : v.wo());
         const bool finite = is_finite(value) && is_finite(e.f_cos) && is_finite(e.pdf);
-        bad.add(finite ? 0 : std::nan(""), [&] {
-            return c.name + " alpha " + exact(c.params.alpha) + v.text();
-        });
+        bad.add(finite ? 0 : std::nan(""),
+                [&] { return c.name + " alpha " + exact(c.params.alpha) + v.text(); });
         m.add(finite ? value : 0);
     }
     return m;
@@ -35,7 +35,7 @@ stats::Moments returned(const ScatteringCase& c, const View& v, int draws, Worst
 stats::Moments returned_naively(float alpha, const View& v, int draws, uint64_t& nonfinite) {
     const Ggx ggx(alpha);
     const Vec3f wo = v.wo();
-    stats::Random random(7);
+    stats::Random random(case_seed(7));
     stats::Moments m;
     for (int i = 0; i < draws; ++i) {
         const Vec3f h = ggx.sample_visible_normal(wo, random.pair());
@@ -73,7 +73,8 @@ struct Floor {
         lamp.emissive_factor = Rgb(3);
         builder.mesh(SceneBuilder::quad(Vec3f(-1, 1, -2), Vec3f(2, 0, 0), Vec3f(0, 2, 0)),
                      builder.material(lamp));
-        builder.desc().environment.gradient = EnvironmentGradient{Vec3f(0, 1, 0), Rgb(0.4f), Rgb(1)};
+        builder.desc().environment.gradient =
+            EnvironmentGradient{Vec3f(0, 1, 0), Rgb(0.4f), Rgb(1)};
         const auto scene = builder.build(pool);
         stats::Moments m;
         for (uint64_t seed = 1; seed <= 8; ++seed) {
@@ -105,9 +106,9 @@ CaseResult run(Effort effort) {
                 const stats::Moments mirror = returned(white_surfaces(0)[kind], v, draws, bad);
                 const ScatteringCase c = white_surfaces(alpha)[kind];
                 const stats::Moments m = returned(c, v, draws, bad);
-                own.add(excess(m, mirror.mean(), mirror.standard_error(),
-                               static_cast<double>(alpha)),
-                        [&] { return c.name + " alpha " + exact(alpha) + v.text(); });
+                own.add(
+                    excess(m, mirror.mean(), mirror.standard_error(), static_cast<double>(alpha)),
+                    [&] { return c.name + " alpha " + exact(alpha) + v.text(); });
                 own_here.add(relative(m.mean(), mirror.mean()));
             }
             const double mirror = sky(Vec3f(-v.wo().x, 0, v.wo().z));
@@ -127,7 +128,7 @@ CaseResult run(Effort effort) {
         returned(c, {mu}, draws, bad);
         returned_naively(0, {mu}, draws, naive_bad);
     }
-    WorkerPool pool(threads_for(effort));
+    WorkerPool pool(run_settings().threads);
     const Floor floor{pool, effort == Effort::full ? 512u : 16u};
     const stats::Moments mirror = floor.mean(0);
     Worst image;
@@ -140,14 +141,15 @@ CaseResult run(Effort effort) {
                                static_cast<double>(bad.nonfinite), 0, Gate::at_most, bad.where});
     result.measures.push_back({"light of a smooth sky: change beyond 2 alpha, in standard errors",
                                naive.value, own.value, 4, Gate::at_most, own.where});
-    result.measures.push_back({"mean of an image with an area light: the same",
-                               std::nan(""), image.value, 4, Gate::at_most, image.where});
+    result.measures.push_back({"mean of an image with an area light: the same", std::nan(""),
+                               image.value, 4, Gate::at_most, image.where});
     result.sweeps.push_back(sweep);
     return result;
 }
 
 const bool kAdded = add_case(
-    {"S02", Priority::p0, "roughness towards 0 joins the mirror", "GGX at whatever alpha it is given",
+    {"S02", Priority::p0, "roughness towards 0 joins the mirror",
+     "GGX at whatever alpha it is given",
      "below alpha 1e-3 a delta lobe in every routine alike; one axis alone is clamped there",
      "mmp/pbrt-v3#273, mmp/pbrt-v3#274, mmp/pbrt-v3#214, mmp/pbrt-v4#283", run});
 

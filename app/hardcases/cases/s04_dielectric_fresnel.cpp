@@ -46,7 +46,8 @@ double textbook_sum(float c, float n) {
 
 std::vector<float> cosines(float eta, int steps) {
     std::vector<float> list;
-    for (int i = 0; i <= steps; ++i) list.push_back(static_cast<float>(i) / static_cast<float>(steps));
+    for (int i = 0; i <= steps; ++i)
+        list.push_back(static_cast<float>(i) / static_cast<float>(steps));
     if (eta < 1) {
         const double critical = std::sqrt(1 - double{eta} * eta);
         for (int k = 0; k <= 60; ++k) {
@@ -93,7 +94,7 @@ struct Bent {
 };
 Bent bent_directions(int draws) {
     Bent bent;
-    stats::Random random(9);
+    stats::Random random(case_seed(9));
     for (int i = 0; i < draws; ++i) {
         ScatteringCase c{"matched", {}};
         c.params.transmission = 1;
@@ -124,9 +125,10 @@ SceneBuilder backdrop(bool solid) {
         lamp.emissive_factor = (x + y) % 2 == 0
                                    ? Rgb(0.9f, 0.2f + 0.1f * static_cast<float>(x), 0.3f)
                                    : Rgb(0.1f, 0.3f, 0.1f * static_cast<float>(y));
-        builder.mesh(SceneBuilder::quad(Vec3f(static_cast<float>(x - 4), static_cast<float>(y - 4), -3),
-                                        Vec3f(1, 0, 0), Vec3f(0, 1, 0)),
-                     builder.material(lamp));
+        builder.mesh(
+            SceneBuilder::quad(Vec3f(static_cast<float>(x - 4), static_cast<float>(y - 4), -3),
+                               Vec3f(1, 0, 0), Vec3f(0, 1, 0)),
+            builder.material(lamp));
     }
     if (!solid) return builder;
     Material glass;
@@ -147,19 +149,19 @@ Rgb refracted_naively(const Vec3f& d, const Vec3f& n, const Rgb& behind) {
     return is_finite(weight) ? weight * behind * dot(wo, n) : Rgb(0);
 }
 
-CaseImages picture(Effort effort, double& naive_error, double& own_error, uint64_t& nonfinite) {
+CaseImages picture(double& naive_error, double& own_error, uint64_t& nonfinite) {
     constexpr uint32_t kSize = 96;
-    WorkerPool pool(threads_for(effort));
+    WorkerPool pool(run_settings().threads);
     const Camera camera = camera_at(Vec3d(0, 0, 6), Vec3d(0), 0.8);
     PathSettings settings;
     const SceneBuilder with = backdrop(true);
     NonFiniteCount bad;
     const ImageRgba clear =
-        render_film(backdrop(false).build(pool), camera, settings, kSize, kSize, 4, pool).image(false);
+        render_film(backdrop(false).build(pool), camera, settings, kSize, kSize, 4, pool)
+            .image(false);
     CaseImages images;
     const auto scene = with.build(pool);
-    images.own =
-        render_film(scene, camera, settings, kSize, kSize, 4, pool, -1, &bad).image(false);
+    images.own = render_film(scene, camera, settings, kSize, kSize, 4, pool, -1, &bad).image(false);
     images.naive = clear;
     const CameraRays rays(camera, scene->origin(), kSize, kSize);
     for (uint32_t y = 0; y < kSize; ++y) {
@@ -195,7 +197,8 @@ CaseResult run(Effort effort) {
             const Textbook t = textbook(c, eta);
             judge(naive, eta, c, static_cast<double>(t.reflectance), textbook_sum(c, eta));
             if (eta > 1) {
-                // Above an index of 2 + sqrt(3) the reflectance itself has a dip: the oracle decides.
+                // Above an index of 2 + sqrt(3) the reflectance itself has a dip: the oracle
+                // decides.
                 const Quad now = reference(c, eta);
                 if (now <= before) {
                     if (f.reflectance > own_before) ++own.falls;
@@ -211,29 +214,30 @@ CaseResult run(Effort effort) {
     CaseResult result;
     double naive_image = 0;
     double own_image = 0;
-    result.images.push_back(picture(effort, naive_image, own_image, result.nonfinite));
+    result.images.push_back(picture(naive_image, own_image, result.nonfinite));
     const auto add = [&](const char* metric, double n, const Worst& w, double limit) {
         result.measures.push_back({metric, n, w.or_infinite(), limit, Gate::at_most, w.where});
     };
-    add("reflectance outside [0, 1], largest of 0 and 1", naive.outside.or_infinite(), own.outside, 0);
+    add("reflectance outside [0, 1], largest of 0 and 1", naive.outside.or_infinite(), own.outside,
+        0);
     add("error within 1e-6 of the critical cosine", naive.near.or_infinite(), own.near, 1e-5);
     add("error elsewhere", naive.away.or_infinite(), own.away, 1e-6);
     add("R + T, off 1", naive.sum.or_infinite(), own.sum, 1e-6);
     result.measures.push_back({"steps at which R falls towards grazing though it should not",
                                static_cast<double>(naive.falls), static_cast<double>(own.falls), 0,
                                Gate::at_most, ""});
-    result.measures.push_back({"directions that an index of 1 changes", bent.naive, bent.own, 0,
-                               Gate::at_most, ""});
+    result.measures.push_back(
+        {"directions that an index of 1 changes", bent.naive, bent.own, 0, Gate::at_most, ""});
     result.measures.push_back({"relMSE of a glowing wall seen through a solid of index 1",
                                naive_image, own_image, 1e-9, Gate::at_most, ""});
     return result;
 }
 
-const bool kAdded = add_case(
-    {"S04", Priority::p0, "dielectric Fresnel: index 1, critical angle, huge index",
-     "float throughout; rough refraction by half vector at index 1",
-     "radicands in double; an index within 1e-6 of 1 passes straight on as a delta event",
-     "gkjohnson/three-gpu-pathtracer#429, #844, #846; PearCoding/Ignis#16", run});
+const bool kAdded =
+    add_case({"S04", Priority::p0, "dielectric Fresnel: index 1, critical angle, huge index",
+              "float throughout; rough refraction by half vector at index 1",
+              "radicands in double; an index within 1e-6 of 1 passes straight on as a delta event",
+              "gkjohnson/three-gpu-pathtracer#429, #844, #846; PearCoding/Ignis#16", run});
 
 }  // namespace
 }  // namespace talbot::hardcases

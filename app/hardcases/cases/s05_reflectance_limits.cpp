@@ -51,11 +51,14 @@ CaseResult run(Effort effort) {
             const float c = static_cast<float>(i) / static_cast<float>(steps);
             const std::string where = "index " + exact(n) + " cosine " + exact(c);
             // An index of 0 reflects everything, by KHR_materials_ior.
-            if (n > 0) own.add(static_cast<double>(fresnel_dielectric(c, n).reflectance), dielectric(c, n), where);
+            if (n > 0)
+                own.add(static_cast<double>(fresnel_dielectric(c, n).reflectance), dielectric(c, n),
+                        where);
             const float ct = std::sqrt(1 - (1 - c * c) / (n * n));
             const float s = (c - n * ct) / (c + n * ct);
             const float p = (n * c - ct) / (n * c + ct);
-            naive.add(static_cast<double>(0.5f * (s * s + p * p)), n > 0 ? dielectric(c, n) : Quad(1), where);
+            naive.add(static_cast<double>(0.5f * (s * s + p * p)),
+                      n > 0 ? dielectric(c, n) : Quad(1), where);
         }
     }
     // Schlick's curve through the real surface: metals, specular colours above 1, index 0 and huge.
@@ -65,13 +68,15 @@ CaseResult run(Effort effort) {
             for (const float ior : {0.0f, 1.0f, 1.5f, 1e4f}) {
                 for (int i = 0; i <= cosines; ++i) {
                     const float mu = static_cast<float>(i) / static_cast<float>(cosines);
-                    const std::string where = "F0 " + exact(f0) + " specular colour " + exact(colour) +
-                                              " index " + exact(ior) + " cosine " + exact(mu);
+                    const std::string where = "F0 " + exact(f0) + " specular colour " +
+                                              exact(colour) + " index " + exact(ior) + " cosine " +
+                                              exact(mu);
                     ShadingParams metal;
                     metal.alpha = 0;
                     metal.metallic = 1;
                     metal.base_color = Rgb(f0);
-                    own.add(static_cast<double>(mirror_reflectance(metal, mu).x), schlick(f0, 1, mu), where);
+                    own.add(static_cast<double>(mirror_reflectance(metal, mu).x),
+                            schlick(f0, 1, mu), where);
                     ShadingParams plastic;
                     plastic.alpha = 0;
                     plastic.ior = ior;
@@ -81,10 +86,12 @@ CaseResult run(Effort effort) {
                     const Quad r = (Quad(ior) - 1) / (Quad(ior) + 1);
                     const Quad normal = r * r * colour;
                     const Quad expected = schlick((normal < 1 ? normal : Quad(1)) * f0, f0, mu);
-                    own.add(static_cast<double>(mirror_reflectance(plastic, mu).x), expected, where);
+                    own.add(static_cast<double>(mirror_reflectance(plastic, mu).x), expected,
+                            where);
                     // Without the clamp of the extension.
                     const float r2 = normal_reflectance(ior) * colour * f0;
-                    naive.add(static_cast<double>(r2 + (f0 - r2) * schlick_weight(mu)), expected, where);
+                    naive.add(static_cast<double>(r2 + (f0 - r2) * schlick_weight(mu)), expected,
+                              where);
                 }
             }
         }
@@ -98,11 +105,11 @@ CaseResult run(Effort effort) {
     return result;
 }
 
-const bool kAdded = add_case(
-    {"S05", Priority::p1, "reflectance at the ends of index and colour (k = 0)",
-     "index 0 taken literally, F0 not clamped",
-     "index 0 means Fresnel 1; F0 clamped before the factor; radicands in double",
-     "playcanvas/engine#5239", run});
+const bool kAdded =
+    add_case({"S05", Priority::p1, "reflectance at the ends of index and colour (k = 0)",
+              "index 0 taken literally, F0 not clamped",
+              "index 0 means Fresnel 1; F0 clamped before the factor; radicands in double",
+              "playcanvas/engine#5239", run});
 
 }  // namespace
 }  // namespace talbot::hardcases

@@ -38,11 +38,12 @@ std::shared_ptr<Image8> flat_map() {
 
 // Normals at random azimuths, tilted by up to `degrees`.
 std::shared_ptr<Image8> random_map(double degrees) {
-    stats::Random random(3);
+    stats::Random random(case_seed(3));
     return normal_map(64, [&](std::size_t) {
         const double tilt = degrees / 180 * std::numbers::pi * random.between(0.5, 1);
         const double phi = random.between(0, 2 * std::numbers::pi);
-        return Vec3d(std::sin(tilt) * std::cos(phi), std::sin(tilt) * std::sin(phi), std::cos(tilt));
+        return Vec3d(std::sin(tilt) * std::cos(phi), std::sin(tilt) * std::sin(phi),
+                     std::cos(tilt));
     });
 }
 
@@ -86,8 +87,8 @@ SceneBuilder mapped_sphere(std::shared_ptr<Image8> map, float roughness) {
     return builder;
 }
 
-// The control: GGX about the shading normal, nothing where that turns its back on wo, and nothing of
-// what is sent below the surface.
+// The control: GGX about the shading normal, nothing where that turns its back on wo, and nothing
+// of what is sent below the surface.
 Rgb naive_sample(const SurfaceInteraction& si, const Vec3f& n_geometric, const Vec3f& wo,
                  float alpha, const Vec2f& u) {
     const Frame frame = Frame::from_normal(si.shading.n);
@@ -110,8 +111,8 @@ ImageRgba naive_image(const SceneBuilder& builder, const Camera& camera, float a
             Rgb sum(0);
             for (uint32_t i = 0; i < samples; ++i) {
                 const Vec2f at = even_point(i);
-                const Ray ray = rays.ray(static_cast<float>(x) + at.x,
-                                         static_cast<float>(y) + at.y, Vec2f(0));
+                const Ray ray =
+                    rays.ray(static_cast<float>(x) + at.x, static_cast<float>(y) + at.y, Vec2f(0));
                 Hit hit;
                 if (!scene->accel().closest(ray, hit)) {
                     sum += Rgb(1);
@@ -137,7 +138,7 @@ double black_pixels(const ImageRgba& image) {
 
 // Shading points whose normal a flat map moves; the control has no rule for 127 and 128.
 void flat_map_points(double& naive, double& own) {
-    stats::Random random(4);
+    stats::Random random(case_seed(4));
     WorkerPool pool(1);
     const auto scene = mapped_sphere(flat_map(), 0.5f).build(pool);
     for (int i = 0; i < 10000; ++i) {
@@ -148,8 +149,8 @@ void flat_map_points(double& naive, double& own) {
         Vec3f mapped = n;
         mapped_normal(*scene, scene->materials()[1].normal_texture, 1, si, mapped);
         if (mapped != n) ++own;
-        const Vec4f texel = eval_slot(*scene, scene->materials()[1].normal_texture, si,
-                                      TextureEncoding::linear);
+        const Vec4f texel =
+            eval_slot(*scene, scene->materials()[1].normal_texture, si, TextureEncoding::linear);
         if (normalize(si.shading.to_world(2.0f * Vec3f(texel) - 1.0f)) != n) ++naive;
     }
 }
@@ -174,15 +175,16 @@ double naive_tilted_albedo(float alpha, float mu, float tilt) {
         SurfaceInteraction si;
         si.shading = v.frame();
         for (uint32_t i = 0; i < kPoints; ++i)
-            sum += static_cast<double>(
-                naive_sample(si, Vec3f(0, 0, 1), v.wo(), std::max(alpha, kDeltaAlpha), even_point(i)).x);
+            sum += static_cast<double>(naive_sample(si, Vec3f(0, 0, 1), v.wo(),
+                                                    std::max(alpha, kDeltaAlpha), even_point(i))
+                                           .x);
     }
     return sum / (kAzimuths * kPoints);
 }
 
 CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
-    WorkerPool pool(threads_for(effort));
+    WorkerPool pool(run_settings().threads);
     const Camera camera = camera_at(Vec3d(0, 0.6, 4), Vec3d(0), 0.55);
     PathSettings settings;
     CaseResult result;
@@ -192,7 +194,8 @@ CaseResult run(Effort effort) {
     flat_map_points(naive_flat, own_flat);
     NonFiniteCount bad;
     const auto render = [&](const SceneBuilder& builder, uint64_t passes) {
-        return render_film(builder.build(pool), camera, settings, kSize, kSize, passes, pool, -1, &bad);
+        return render_film(builder.build(pool), camera, settings, kSize, kSize, passes, pool, -1,
+                           &bad);
     };
     const Film with = render(mapped_sphere(flat_map(), 0.5f), 4);
     const Film without = render(mapped_sphere(nullptr, 0.5f), 4);
@@ -233,8 +236,8 @@ CaseResult run(Effort effort) {
                 for (const float mu : {1.0f, 0.5f, 0.1f}) {
                     if (!full && (mu == 1 || tilt < 1)) continue;
                     double darkest = 1;
-                    const std::string at =
-                        c.name + " alpha " + exact(alpha) + " tilt " + exact(tilt) + " cosine " + exact(mu);
+                    const std::string at = c.name + " alpha " + exact(alpha) + " tilt " +
+                                           exact(tilt) + " cosine " + exact(mu);
                     own.add(tilted_albedo(c, mu, tilt, darkest), at);
                     if (kind == 5) naive.add(naive_tilted_albedo(alpha, mu, tilt), at);
                 }
@@ -243,14 +246,14 @@ CaseResult run(Effort effort) {
     }
     result.measures.push_back({"shading points that a flat normal map moves, of 10000", naive_flat,
                                own_flat, 0, Gate::at_most, ""});
-    result.measures.push_back({"pixels that a flat normal map changes", std::nan(""), changed, 0,
-                               Gate::at_most, ""});
-    result.measures.push_back({"black pixels under random maps, unit sky", naive_black, own_black, 0,
-                               Gate::at_most, where});
+    result.measures.push_back(
+        {"pixels that a flat normal map changes", std::nan(""), changed, 0, Gate::at_most, ""});
+    result.measures.push_back({"black pixels under random maps, unit sky", naive_black, own_black,
+                               0, Gate::at_most, where});
     result.measures.push_back({"energy lost in the furnace, tilts up to 60 degrees", 1 - naive.low,
                                1 - own.low, 0.05, Gate::at_most, own.lowest});
-    result.measures.push_back({"energy gained there", naive.high - 1, own.high - 1, 0.002,
-                               Gate::at_most, own.highest});
+    result.measures.push_back(
+        {"energy gained there", naive.high - 1, own.high - 1, 0.002, Gate::at_most, own.highest});
     return result;
 }
 

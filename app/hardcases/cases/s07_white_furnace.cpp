@@ -37,7 +37,7 @@ double single_scattering(float alpha, float mu, bool masked) {
 CaseImages picture(Effort effort, double& naive_worst, double& own_worst, uint64_t& nonfinite) {
     constexpr uint32_t kSize = 64;
     constexpr int kBalls = 4;
-    WorkerPool pool(threads_for(effort));
+    WorkerPool pool(run_settings().threads);
     SceneBuilder builder;
     for (int i = 0; i < kBalls; ++i) {
         Material m;
@@ -47,7 +47,8 @@ CaseImages picture(Effort effort, double& naive_worst, double& own_worst, uint64
             m.transmission_factor = 1;
             m.thickness_factor = 1;
         }
-        builder.sphere(Vec3d(i % 2 == 0 ? -1.1 : 1.1, i < 2 ? 1.1 : -1.1, 0), 1, builder.material(m));
+        builder.sphere(Vec3d(i % 2 == 0 ? -1.1 : 1.1, i < 2 ? 1.1 : -1.1, 0), 1,
+                       builder.material(m));
     }
     builder.environment(Rgb(1));
     const Camera camera = camera_at(Vec3d(0, 0, 8), Vec3d(0), 0.6);
@@ -57,7 +58,8 @@ CaseImages picture(Effort effort, double& naive_worst, double& own_worst, uint64
     const auto scene = builder.build(pool);
     const uint64_t passes = effort == Effort::full ? 1024 : 32;
     CaseImages images;
-    images.own = render_film(scene, camera, settings, kSize, kSize, passes, pool, -1, &bad).image(false);
+    images.own =
+        render_film(scene, camera, settings, kSize, kSize, passes, pool, -1, &bad).image(false);
     images.naive = blank_image(kSize, kSize);
     const CameraRays rays(camera, scene->origin(), kSize, kSize);
     double own_sum[kBalls] = {};
@@ -75,10 +77,11 @@ CaseImages picture(Effort effort, double& naive_worst, double& own_worst, uint64
             const Sphere& ball = scene->geometry().spheres[hit.id.primitive];
             const std::size_t k = hit.id.primitive;
             const Vec3f n = normalize(ray.o + hit.t * ray.d - Vec3f(ball.center));
-            // Glass loses at least what one of its rough faces does; the control shows metal's loss.
+            // Glass loses at least what one of its rough faces does; the control shows metal's
+            // loss.
             const float alpha = k % 2 == 0 ? 1.0f : 0.36f;
-            naive = Rgb(static_cast<float>(
-                AlbedoRow(alpha)(std::clamp(-dot(ray.d, n), 0.0f, 1.0f)).e()));
+            naive = Rgb(
+                static_cast<float>(AlbedoRow(alpha)(std::clamp(-dot(ray.d, n), 0.0f, 1.0f)).e()));
             own_sum[k] += static_cast<double>(mean_component(images.own.rgb[y * kSize + x]));
             naive_sum[k] += static_cast<double>(naive.x);
             ++pixels[k];
@@ -94,6 +97,31 @@ CaseImages picture(Effort effort, double& naive_worst, double& own_worst, uint64
     return images;
 }
 
+// Surfaces to be looked at from one direction.
+struct Job {
+    std::vector<ScatteringCase> surfaces;
+    float mu;
+    std::string at;
+    bool layered;
+};
+
+// Range of albedos per job, and whether it is of layered surfaces.
+std::vector<std::pair<Range, bool>> albedos(const std::vector<Job>& jobs, WorkerPool& pool) {
+    std::vector<std::pair<Range, bool>> ranges(jobs.size());
+    pool.parallel_for(jobs.size(), [&](uint64_t i, unsigned) {
+        const Job& job = jobs[i];
+        ranges[i].second = job.layered;
+        for (const ScatteringCase& c : job.surfaces) {
+            // Films and stretched refraction lose by design, see docs/materials.md.
+            if (c.params.iridescence > 0 || c.name == "stretched glass") continue;
+            const double a =
+                c.params.anisotropy > 0 ? sampled_albedo(c, {job.mu}) : albedo(c, {job.mu});
+            ranges[i].first.add(a, c.name + job.at);
+        }
+    });
+    return ranges;
+}
+
 CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
     Range own;
@@ -102,6 +130,7 @@ CaseResult run(Effort effort) {
     double unmasked = 0;
     double single = 0;
     std::string single_where;
+    std::vector<Job> jobs;
     Sweep sweep{"roughness", "albedo of a white metal, cosine 0.5", false, 0.995, {}};
     for (int step = 0; step <= 10; ++step) {
         if (!full && step % 5 != 0) continue;
@@ -110,16 +139,8 @@ CaseResult run(Effort effort) {
         for (const float mu : {1.0f, 0.5f, 0.1f, 0.01f}) {
             if (!full && mu == 0.1f) continue;
             const std::string at = " roughness " + exact(roughness) + " cosine " + exact(mu);
-            for (const ScatteringCase& c : white_surfaces(alpha))
-                own.add(albedo(c, {mu}), c.name + at);
-            if (full) {
-                for (const ScatteringCase& c : layered_surfaces(alpha)) {
-                    // Films and stretched refraction lose by design, see docs/materials.md.
-                    if (c.params.iridescence > 0 || c.name == "stretched glass") continue;
-                    layered.add(c.params.anisotropy > 0 ? sampled_albedo(c, {mu}) : albedo(c, {mu}),
-                                c.name + at);
-                }
-            }
+            jobs.push_back({white_surfaces(alpha), mu, at, false});
+            if (full) jobs.push_back({layered_surfaces(alpha), mu, at, true});
             if (alpha < kDeltaAlpha) continue;
             const double s = single_scattering(alpha, mu, true);
             naive.add(s, at);
@@ -131,14 +152,20 @@ CaseResult run(Effort effort) {
             }
         }
     }
+    WorkerPool pool(run_settings().threads);
+    for (const auto& [range, who] : albedos(jobs, pool)) {
+        Range& total = who ? layered : own;
+        total.add(range.low, range.lowest);
+        total.add(range.high, range.highest);
+    }
     CaseResult result;
     double naive_image = 0;
     double own_image = 0;
     result.images.push_back(picture(effort, naive_image, own_image, result.nonfinite));
     result.measures.push_back({"energy lost by a white surface", 1 - naive.low, 1 - own.low, 0.005,
                                Gate::at_most, own.lowest});
-    result.measures.push_back({"energy gained by a white surface", unmasked - 1, own.high - 1, 0.002,
-                               Gate::at_most, own.highest});
+    result.measures.push_back({"energy gained by a white surface", unmasked - 1, own.high - 1,
+                               0.002, Gate::at_most, own.highest});
     if (full) {
         result.measures.push_back({"energy lost under coat, sheen or stretched roughness",
                                    std::nan(""), 1 - layered.low, 0.005, Gate::at_most,

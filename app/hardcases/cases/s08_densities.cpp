@@ -1,5 +1,5 @@
-// S08: every sampler against its density, with cells that follow the lobe's width: surfaces, visible
-// normals, maps of the unit square, the lens, the choice of lights.
+// S08: every sampler against its density, with cells that follow the lobe's width: surfaces,
+// visible normals, maps of the unit square, the lens, the choice of lights.
 #include <functional>
 
 #include "app/hardcases/cases/shading_setup.h"
@@ -26,14 +26,13 @@ double evenness(const std::function<Vec2d(const Vec2f&)>& map, int draws, uint64
                 double stretch = 1) {
     constexpr int kSide = 16;
     std::vector<double> counts(kSide * kSide, 0.0);
-    stats::Random random(seed);
+    stats::Random random(case_seed(seed));
     for (int i = 0; i < draws; ++i) {
         Vec2f u = random.pair();
         u.y = static_cast<float>(std::pow(static_cast<double>(u.y), stretch));
         const Vec2d p = map(u);
         const auto at = [](double x) {
-            return static_cast<std::size_t>(
-                std::clamp(static_cast<int>(x * kSide), 0, kSide - 1));
+            return static_cast<std::size_t>(std::clamp(static_cast<int>(x * kSide), 0, kSide - 1));
         };
         ++counts[at(p.y) * kSide + at(p.x)];
     }
@@ -91,7 +90,7 @@ std::vector<Map> maps() {
 
 // The light tree's picks against its probabilities, `scale`d for a control.
 double picks_of_tree(int draws, uint64_t seed, double scale) {
-    stats::Random random(7);
+    stats::Random random(case_seed(7));
     std::vector<LightBounds> lights(40);
     for (LightBounds& b : lights) {
         const auto at = [&] { return static_cast<float>(random.between(-5, 5)); };
@@ -105,7 +104,7 @@ double picks_of_tree(int draws, uint64_t seed, double scale) {
     const Vec3f n(0, 1, 0);
     std::vector<double> observed(lights.size(), 0.0);
     std::vector<double> expected(lights.size(), 0.0);
-    stats::Random draw(seed);
+    stats::Random draw(case_seed(seed));
     for (int i = 0; i < draws; ++i) {
         const auto pick = tree.sample(p, n, draw());
         if (pick) ++observed[pick->index];
@@ -119,7 +118,7 @@ double picks_of_tree(int draws, uint64_t seed, double scale) {
 
 CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
-    WorkerPool pool(threads_for(effort));
+    WorkerPool pool(run_settings().threads);
     Smallest own;
     Smallest shifted;
     Worst integral;
@@ -137,7 +136,7 @@ CaseResult run(Effort effort) {
         Agreement first;
         bool is_first = true;
         outcomes[i].p = confirmed_p(i + 1, [&](uint64_t seed) {
-            const Agreement a = compare_with_density(s.surface, s.view, draws, seed);
+            const Agreement a = compare_with_density(s.surface, s.view, draws, case_seed(seed));
             if (is_first) first = a;
             is_first = false;
             return a.p;
@@ -147,8 +146,8 @@ CaseResult run(Effort effort) {
     });
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
         const Setting& s = all[i * stride];
-        const std::string at = s.surface.name + " alpha " + exact(s.surface.params.alpha) +
-                               s.view.text();
+        const std::string at =
+            s.surface.name + " alpha " + exact(s.surface.params.alpha) + s.view.text();
         own.add(outcomes[i].p, at);
         integral.add(outcomes[i].missing, [&] { return at; });
     }
@@ -165,8 +164,9 @@ CaseResult run(Effort effort) {
     Smallest bad_maps;
     uint64_t seed = 100;
     for (const Map& map : maps()) {
-        own_maps.add(confirmed_p(++seed, [&](uint64_t s) { return evenness(map.cell, map_draws, s); }),
-                     map.name);
+        own_maps.add(
+            confirmed_p(++seed, [&](uint64_t s) { return evenness(map.cell, map_draws, s); }),
+            map.name);
         bad_maps.add(evenness(map.cell, map_draws, seed, 1.1), map.name);
     }
     own_maps.add(confirmed_p(200, [&](uint64_t s) { return picks_of_tree(map_draws, s, 1); }),
@@ -179,7 +179,8 @@ CaseResult run(Effort effort) {
         for (const float mu : {0.5f, 0.05f}) {
             const Vec3f wo(std::sqrt(1 - mu * mu), 0, mu);
             const auto p = [&](std::size_t shift, uint64_t s) {
-                return visible_normals_p(Ggx(alpha), wo, shift, 1, s, full ? 1000000 : 20000);
+                return visible_normals_p(Ggx(alpha), wo, shift, 1, case_seed(s),
+                                         full ? 1000000 : 20000);
             };
             own_normals.add(confirmed_p(++seed, [&](uint64_t s) { return p(0, s); }),
                             "alpha " + exact(alpha) + " cosine " + exact(mu));
@@ -188,11 +189,12 @@ CaseResult run(Effort effort) {
     }
     CaseResult result;
     const double limit = significance();
-    result.measures.push_back({"smallest p of chi-square over surfaces (control: lobe shifted by a ring)",
-                               shifted.p, own.p, limit, Gate::at_least, own.where});
-    result.measures.push_back({"density's integral over surfaces, off 1 (control: density times 1.02)",
-                               scaled.value, integral.or_infinite(), 1e-3, Gate::at_most,
-                               integral.where});
+    result.measures.push_back(
+        {"smallest p of chi-square over surfaces (control: lobe shifted by a ring)", shifted.p,
+         own.p, limit, Gate::at_least, own.where});
+    result.measures.push_back(
+        {"density's integral over surfaces, off 1 (control: density times 1.02)", scaled.value,
+         integral.or_infinite(), 1e-3, Gate::at_most, integral.where});
     result.measures.push_back({"smallest p over visible normals (control: shifted by a ring)",
                                bad_normals.p, own_normals.p, limit, Gate::at_least,
                                own_normals.where});

@@ -69,7 +69,7 @@ struct Lamp {
 // Largest difference between the three estimators in units of its standard error.
 template <typename Surface>
 double disagreement(const Surface& bsdf, const Lamp& lamp, int draws, uint64_t seed) {
-    stats::Random random(seed);
+    stats::Random random(case_seed(seed));
     stats::Moments by_light;
     stats::Moments by_bsdf;
     stats::Moments both;
@@ -77,7 +77,8 @@ double disagreement(const Surface& bsdf, const Lamp& lamp, int draws, uint64_t s
         double mixed = 0;
         double value = 0;
         const float u_choice = random();
-        if (const auto l = lamp.lights.sample(*lamp.scene, lamp.p, Vec3f(0), u_choice, random.pair())) {
+        if (const auto l =
+                lamp.lights.sample(*lamp.scene, lamp.p, Vec3f(0), u_choice, random.pair())) {
             const BsdfEval e = bsdf.eval(l->wi);
             value = static_cast<double>(e.f_cos.y * l->radiance.y / l->pdf);
             mixed = value * static_cast<double>(power_heuristic(l->pdf, e.pdf));
@@ -103,7 +104,7 @@ double disagreement(const Surface& bsdf, const Lamp& lamp, int draws, uint64_t s
 
 template <typename Surface>
 double record_error(const Surface& bsdf, const Surface& fresh, int draws, uint64_t seed) {
-    stats::Random random(seed);
+    stats::Random random(case_seed(seed));
     double worst = 0;
     for (int i = 0; i < draws; ++i) {
         const float u_lobe = random();
@@ -122,7 +123,7 @@ double record_error(const Surface& bsdf, const Surface& fresh, int draws, uint64
 
 CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
-    WorkerPool pool(threads_for(effort));
+    WorkerPool pool(run_settings().threads);
     const Lamp lamp(pool);
     Worst record;
     const std::vector<Setting> settings = scattering_settings();
@@ -130,9 +131,11 @@ CaseResult run(Effort effort) {
     uint64_t seed = 1;
     for (const Setting& s : settings) {
         const double alpha = std::max(1e-3, static_cast<double>(s.surface.params.alpha));
-        const double bound = std::max(1e-4, 16 * 0x1p-24 / (alpha * static_cast<double>(s.view.mu)));
+        const double bound =
+            std::max(1e-4, 16 * 0x1p-24 / (alpha * static_cast<double>(s.view.mu)));
         record.add(record_error(make_bsdf(s.surface, s.view), make_bsdf(s.surface, s.view),
-                                per_setting, ++seed) / bound,
+                                per_setting, ++seed) /
+                       bound,
                    [&] {
                        return s.surface.name + " alpha " + exact(s.surface.params.alpha) +
                               s.view.text();
@@ -151,12 +154,14 @@ CaseResult run(Effort effort) {
         z[i] = disagreement(make_bsdf(surfaces[i * step], view), lamp, draws, 100 + i);
     });
     Worst apart;
-    for (std::size_t i = 0; i < z.size(); ++i) apart.add(z[i], [&] { return surfaces[i * step].name; });
+    for (std::size_t i = 0; i < z.size(); ++i)
+        apart.add(z[i], [&] { return surfaces[i * step].name; });
     const double naive_apart = disagreement(control, lamp, draws, 99);
 
     CaseResult result;
-    result.measures.push_back({"weight and density against fresh ones, over max(1e-4, 16 eps / (alpha cos))",
-                               naive_record, record.or_infinite(), 1, Gate::at_most, record.where});
+    result.measures.push_back(
+        {"weight and density against fresh ones, over max(1e-4, 16 eps / (alpha cos))",
+         naive_record, record.or_infinite(), 1, Gate::at_most, record.where});
     result.measures.push_back({"light, BSDF and combined estimates, apart in standard errors",
                                naive_apart, apart.or_infinite(), 4, Gate::at_most, apart.where});
     return result;

@@ -29,7 +29,7 @@ double layered_naively(const Vec3f& wo, float f0) {
 
 CaseResult run(Effort effort) {
     const int pairs = effort == Effort::full ? 1000000 : 10000;
-    stats::Random random(1);
+    stats::Random random(case_seed(1));
     Worst reflection, diffuse, refraction, naive_diffuse, naive_refraction;
     constexpr float kAlphas[] = {0.1f, 0.3f, 1.0f};
     constexpr float kIndices[] = {1.33f, 1.5f, 2.4f};
@@ -69,29 +69,33 @@ CaseResult run(Effort effort) {
         ScatteringCase inside = glass;
         inside.outside = false;
         const auto flip = [](const Vec3f& w) { return Vec3f(w.x, w.y, -w.z); };
-        const double out = value(glass, a, -c) * static_cast<double>(glass_albedo(a.z, alpha, ior, true));
-        const double in =
-            value(inside, flip(-c), flip(a)) * static_cast<double>(glass_albedo(c.z, alpha, ior, false));
+        const double out =
+            value(glass, a, -c) * static_cast<double>(glass_albedo(a.z, alpha, ior, true));
+        const double in = value(inside, flip(-c), flip(a)) *
+                          static_cast<double>(glass_albedo(c.z, alpha, ior, false));
         refraction.add(asymmetry(out, in / (double{ior} * ior)), [&] {
-            return "alpha " + exact(alpha) + " index " + exact(ior) + " " + exact(a) + " " + exact(c);
+            return "alpha " + exact(alpha) + " index " + exact(ior) + " " + exact(a) + " " +
+                   exact(c);
         });
         naive_refraction.add(asymmetry(out, in));
     }
     CaseResult result;
-    result.measures.push_back({"asymmetry of rough reflection", std::nan(""), reflection.or_infinite(),
-                               1e-5, Gate::at_most, reflection.where});
+    result.measures.push_back({"asymmetry of rough reflection", std::nan(""),
+                               reflection.or_infinite(), 1e-5, Gate::at_most, reflection.where});
     result.measures.push_back({"asymmetry of diffuse light under a smooth layer",
                                naive_diffuse.value, diffuse.or_infinite(), 1e-5, Gate::at_most,
                                diffuse.where});
-    result.measures.push_back({"asymmetry of rough refraction over eta^2, facets met at cosines from 0.3", naive_refraction.value,
-                               refraction.or_infinite(), 1e-5, Gate::at_most, refraction.where});
+    result.measures.push_back(
+        {"asymmetry of rough refraction over eta^2, facets met at cosines from 0.3",
+         naive_refraction.value, refraction.or_infinite(), 1e-5, Gate::at_most, refraction.where});
     return result;
 }
 
-const bool kAdded = add_case(
-    {"S10", Priority::p1, "reciprocity", "no 1 / eta^2 for radiance; Fresnel on the way in alone",
-     "height-correlated shadowing, radiance scaling (Veach 1997, section 5.2), Kulla-Conty's diffuse",
-     "appleseedhq/appleseed#2886", run});
+const bool kAdded = add_case({"S10", Priority::p1, "reciprocity",
+                              "no 1 / eta^2 for radiance; Fresnel on the way in alone",
+                              "height-correlated shadowing, radiance scaling (Veach 1997, section "
+                              "5.2), Kulla-Conty's diffuse",
+                              "appleseedhq/appleseed#2886", run});
 
 }  // namespace
 }  // namespace talbot::hardcases

@@ -51,8 +51,8 @@ Exactness mirror_of_hot_sky(WorkerPool& pool, uint64_t passes, uint64_t& nonfini
             for (uint64_t i = 0; i < passes; ++i) {
                 const Sampler sampler(settings.sampler, settings.seed, x, y, i);
                 const Vec2f at = sample_pixel_filter(settings.filter, sampler.pair(Purpose::pixel));
-                const Ray ray = rays.ray(static_cast<float>(x) + at.x, static_cast<float>(y) + at.y,
-                                         Vec2f(0));
+                const Ray ray =
+                    rays.ray(static_cast<float>(x) + at.x, static_cast<float>(y) + at.y, Vec2f(0));
                 const Vec3f wi(ray.d.x, -ray.d.y, ray.d.z);
                 const float radiance = lights.environment().eval(wi).y;
                 expected.add(radiance);
@@ -68,7 +68,8 @@ Exactness mirror_of_hot_sky(WorkerPool& pool, uint64_t passes, uint64_t& nonfini
 }
 
 // A floor and a ball under an area light: the mean with light sampling and without.
-double strategies_apart(WorkerPool& pool, const Material& floor, const Material& ball, uint64_t passes) {
+double strategies_apart(WorkerPool& pool, const Material& floor, const Material& ball,
+                        uint64_t passes) {
     SceneBuilder builder;
     builder.mesh(SceneBuilder::quad(Vec3f(-5, 0, -5), Vec3f(0, 0, 10), Vec3f(10, 0, 0)),
                  builder.material(floor));
@@ -86,19 +87,19 @@ double strategies_apart(WorkerPool& pool, const Material& floor, const Material&
             settings.seed = seed * 2 + static_cast<uint64_t>(without);
             settings.max_depth = 8;
             settings.next_event_estimation = without == 0;
-            means[without].add(film_mean(render_film(scene,
-                                                     camera_at(Vec3d(0, 1.5, 4), Vec3d(0, 0.6, 0)),
-                                                     settings, 16, 16, passes, pool)));
+            means[without].add(
+                film_mean(render_film(scene, camera_at(Vec3d(0, 1.5, 4), Vec3d(0, 0.6, 0)),
+                                      settings, 16, 16, passes, pool)));
         }
     }
     return std::abs(means[0].mean() - means[1].mean()) /
            std::hypot(means[0].standard_error(), means[1].standard_error());
 }
 
-// The control on such a scene: smooth plastic whose mirror is a lobe of density 1e6 for MIS, seen in
-// a lamp that light sampling finds with the same density.
+// The control on such a scene: smooth plastic whose mirror is a lobe of density 1e6 for MIS, seen
+// in a lamp that light sampling finds with the same density.
 double stand_in_apart() {
-    stats::Random random(3);
+    stats::Random random(case_seed(3));
     stats::Moments with;
     for (int i = 0; i < 100000; ++i) {
         constexpr float kMirror = 0.04f;
@@ -106,14 +107,14 @@ double stand_in_apart() {
         with.add(mirrored ? static_cast<double>(power_heuristic(1e6f, 1e6f)) : 0.0);
     }
     stats::Moments exact_mean;
-    stats::Random again(3);
+    stats::Random again(case_seed(3));
     for (int i = 0; i < 100000; ++i) exact_mean.add(again() < 0.04f ? 1 : 0);
     return std::abs(with.mean() - exact_mean.mean()) / with.standard_error();
 }
 
 CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
-    WorkerPool pool(threads_for(effort));
+    WorkerPool pool(run_settings().threads);
     CaseResult result;
     const Exactness exactness = mirror_of_hot_sky(pool, full ? 64 : 4, result.nonfinite);
 
@@ -154,15 +155,16 @@ CaseResult run(Effort effort) {
     result.measures.push_back({"pixels of a mirror that differ from the hot sky it shows",
                                exactness.naive, exactness.own, 0, Gate::at_most, ""});
     result.measures.push_back({"light sampling on and off, apart in standard errors",
-                               stand_in_apart(), apart.or_infinite(), 4, Gate::at_most, apart.where});
+                               stand_in_apart(), apart.or_infinite(), 4, Gate::at_most,
+                               apart.where});
     result.measures.push_back({"probabilities of all lobes, off 1", std::nan(""), sum.or_infinite(),
                                1e-3, Gate::at_most, sum.where});
     return result;
 }
 
 const bool kAdded = add_case(
-    {"S11", Priority::p0, "delta lobes in mixtures", "a density of 1e6 stands in for the delta lobe",
-     "a flag, a probability and a MIS weight of 1",
+    {"S11", Priority::p0, "delta lobes in mixtures",
+     "a density of 1e6 stands in for the delta lobe", "a flag, a probability and a MIS weight of 1",
      "gkjohnson/three-gpu-pathtracer#174, #846; nvpro-samples/vk_gltf_renderer#20", run});
 
 }  // namespace

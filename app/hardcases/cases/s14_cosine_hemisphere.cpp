@@ -1,5 +1,5 @@
-// S14: cosine-weighted directions at the ends of the unit square: the rim has z = 0, density 0 and a
-// value of 0 / 0.
+// S14: cosine-weighted directions at the ends of the unit square: the rim has z = 0, density 0 and
+// a value of 0 / 0.
 #include <numbers>
 
 #include "app/hardcases/cases/shading_setup.h"
@@ -58,10 +58,10 @@ CaseResult run(Effort effort) {
     return result;
 }
 
-const bool kAdded = add_case(
-    {"S14", Priority::p0, "cosine hemisphere at the ends of [0, 1)", "z from 1 - x^2 - y^2",
-     "concentric map with its exact 1 - r^2; z never zero",
-     "mmp/pbrt-v4#313, mmp/pbrt-v2#22, RayTracing/raytracing.github.io#1021", run});
+const bool kAdded =
+    add_case({"S14", Priority::p0, "cosine hemisphere at the ends of [0, 1)",
+              "z from 1 - x^2 - y^2", "concentric map with its exact 1 - r^2; z never zero",
+              "mmp/pbrt-v4#313, mmp/pbrt-v2#22, RayTracing/raytracing.github.io#1021", run});
 
 }  // namespace
 }  // namespace talbot::hardcases

@@ -1,5 +1,5 @@
-// S15: texture coordinates that say nothing: collapsed, mirrored, huge, not finite, and a plane to the
-// horizon. A constant texture is exactly constant everywhere.
+// S15: texture coordinates that say nothing: collapsed, mirrored, huge, not finite, and a plane to
+// the horizon. A constant texture is exactly constant everywhere.
 #include "app/hardcases/cases/shading_scene.h"
 #include "app/hardcases/cases/shading_setup.h"
 #include "core/integrate/material_eval.h"
@@ -32,7 +32,7 @@ Vec4f naive_lookup(const Vec4f& texel, const Vec2f& uv) {
 
 // Lookups of a constant texture that are not that constant.
 void count_lookups(int count, double& naive, double& own, std::string& where) {
-    stats::Random random(6);
+    stats::Random random(case_seed(6));
     for (int i = 0; i < count; ++i) {
         Texture texture{constant_image(static_cast<uint8_t>(i % 251), 188, 3)};
         texture.wrap_u = static_cast<TextureWrap>(i % 3);
@@ -110,7 +110,7 @@ SceneBuilder horizon(bool textured, float factor) {
 
 CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
-    WorkerPool pool(threads_for(effort));
+    WorkerPool pool(run_settings().threads);
     CaseResult result;
     double naive_lookups = 0;
     double own_lookups = 0;
@@ -120,7 +120,8 @@ CaseResult run(Effort effort) {
     double own_frames = 0;
     count_frames(naive_frames, own_frames, pool);
 
-    const Vec4f texel = eval_texture({constant_image(188, 188, 188)}, Vec2f(0.5f), TextureEncoding::srgb);
+    const Vec4f texel =
+        eval_texture({constant_image(188, 188, 188)}, Vec2f(0.5f), TextureEncoding::srgb);
     const Camera camera = camera_at(Vec3d(0, 1.7, 0), Vec3d(0, 1.6, -1), 0.9);
     PathSettings settings;
     NonFiniteCount bad;
@@ -164,11 +165,11 @@ CaseResult run(Effort effort) {
     return result;
 }
 
-const bool kAdded = add_case(
-    {"S15", Priority::p1, "degenerate texture coordinates",
-     "four bilinear weights; tangents over the determinant",
-     "equal texels are returned as they are; without a tangent any frame about the normal",
-     "mmp/pbrt-v4#17, turanszkij/WickedEngine#117, matiaszanolli/ByroRedux#3176", run});
+const bool kAdded =
+    add_case({"S15", Priority::p1, "degenerate texture coordinates",
+              "four bilinear weights; tangents over the determinant",
+              "equal texels are returned as they are; without a tangent any frame about the normal",
+              "mmp/pbrt-v4#17, turanszkij/WickedEngine#117, matiaszanolli/ByroRedux#3176", run});
 
 }  // namespace
 }  // namespace talbot::hardcases

@@ -136,9 +136,8 @@ class Writer {
         views_.add("{\"buffer\":0,\"byteOffset\":" + std::to_string(at) +
                    ",\"byteLength\":" + std::to_string(size) + "}");
         accessors_.add("{\"bufferView\":" + std::to_string(accessor_count_) +
-                       ",\"componentType\":" + std::to_string(component) +
-                       ",\"count\":" + std::to_string(values.size()) + ",\"type\":\"" + type + "\"" +
-                       bounds + "}");
+                       ",\"componentType\":" + std::to_string(component) + ",\"count\":" +
+                       std::to_string(values.size()) + ",\"type\":\"" + type + "\"" + bounds + "}");
         return accessor_count_++;
     }
 
@@ -169,7 +168,8 @@ class Writer {
     }
 
     std::string texture(const TextureSlot& slot, const std::string& name) const {
-        return slot.used() ? ",\"" + name + "\":{\"index\":" + std::to_string(slot.texture) + "}" : "";
+        return slot.used() ? ",\"" + name + "\":{\"index\":" + std::to_string(slot.texture) + "}"
+                           : "";
     }
 
     std::string material(const Material& m) {
@@ -217,7 +217,8 @@ class Writer {
         std::string matrix;
         for (int column = 0; column < 4; ++column)
             for (int row = 0; row < 4; ++row)
-                matrix += (matrix.empty() ? "" : ",") + number(instance.world_from_object[column][row]);
+                matrix +=
+                    (matrix.empty() ? "" : ",") + number(instance.world_from_object[column][row]);
         add_node("\"mesh\":" + std::to_string(instance.mesh) + ",\"matrix\":[" + matrix + "]");
     }
 
@@ -227,8 +228,8 @@ class Writer {
         shapes_.add("{\"type\":\"sphere\",\"sphere\":{\"radius\":" + number(sphere.radius) + "}}");
         add_node("\"translation\":" + list(sphere.center) +
                  ",\"extensions\":{\"TALBOT_implicit_surface\":{\"shape\":" +
-                 std::to_string(shape_count_++) + ",\"material\":" + std::to_string(sphere.material) +
-                 "}}");
+                 std::to_string(shape_count_++) +
+                 ",\"material\":" + std::to_string(sphere.material) + "}}");
     }
 
     // A rotation whose -z is the direction.
@@ -250,8 +251,8 @@ class Writer {
             text += ",\"spot\":{\"innerConeAngle\":" + number(double{light.inner_cone_angle}) +
                     ",\"outerConeAngle\":" + number(double{light.outer_cone_angle}) + "}";
         lights_.add(text + "}");
-        add_node("\"translation\":" + list(light.position) + ",\"rotation\":" +
-                 rotation_towards(Vec3d(light.direction)) +
+        add_node("\"translation\":" + list(light.position) +
+                 ",\"rotation\":" + rotation_towards(Vec3d(light.direction)) +
                  ",\"extensions\":{\"KHR_lights_punctual\":{\"light\":" +
                  std::to_string(light_count_++) + "}}");
     }
@@ -261,8 +262,8 @@ class Writer {
         const Vec3d& y = camera_.up;
         const Vec3d& z = camera_.backward;
         const Vec3d& p = camera_.position;
-        add_node("\"camera\":0,\"matrix\":" + list({x.x, x.y, x.z, 0, y.x, y.y, y.z, 0, z.x, z.y,
-                                                    z.z, 0, p.x, p.y, p.z, 1}));
+        add_node("\"camera\":0,\"matrix\":" +
+                 list({x.x, x.y, x.z, 0, y.x, y.y, y.z, 0, z.x, z.y, z.z, 0, p.x, p.y, p.z, 1}));
     }
 
     std::string environment() const {
@@ -298,8 +299,8 @@ class Writer {
         part("nodes", nodes_);
         text += ",\n\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":" +
                 number(camera_.yfov) + ",\"znear\":0.01}}]";
-        text += ",\n\"scenes\":[{\"nodes\":[" + roots_.text() + "],\"extras\":{\"environment\":" +
-                environment() + "}}],\"scene\":0}\n";
+        text += ",\n\"scenes\":[{\"nodes\":[" + roots_.text() +
+                "],\"extras\":{\"environment\":" + environment() + "}}],\"scene\":0}\n";
         return text;
     }
 

@@ -75,9 +75,9 @@ double confirmed_p(uint64_t seed, const Test& test) {
     return p;
 }
 
-// Quick runs keep to one core.
-inline unsigned threads_for(Effort effort) {
-    return effort == Effort::quick ? 1u : 0u;
+// Of the random numbers of this run; `stream` tells those of one case apart.
+inline uint64_t case_seed(uint64_t stream) {
+    return stream + run_settings().seed * 0x9E3779B97F4A7C15u;
 }
 
 // Relative squared error of an image, as everywhere in Talbot.

@@ -1,5 +1,5 @@
-// V01: light through homogeneous matter at optical depths of 1e-8 to 1e8, channel by channel. Talbot's
-// media absorb and do not scatter, so transmittance is all there is.
+// V01: light through homogeneous matter at optical depths of 1e-8 to 1e8, channel by channel.
+// Talbot's media absorb and do not scatter, so transmittance is all there is.
 #include "app/hardcases/cases/shading_scene.h"
 #include "app/hardcases/cases/shading_setup.h"
 #include "core/integrate/material_eval.h"
@@ -19,8 +19,9 @@ SceneBuilder slab(const Rgb& color, double thickness, double depth) {
     Material lamp = SceneBuilder::diffuse(0);
     lamp.emissive_factor = Rgb(1);
     const auto s = static_cast<float>(thickness);
-    builder.mesh(SceneBuilder::quad(s * Vec3f(-9, -9, -3), s * Vec3f(18, 0, 0), s * Vec3f(0, 18, 0)),
-                 builder.material(lamp));
+    builder.mesh(
+        SceneBuilder::quad(s * Vec3f(-9, -9, -3), s * Vec3f(18, 0, 0), s * Vec3f(0, 18, 0)),
+        builder.material(lamp));
     Material matter;
     matter.metallic_factor = 0;
     matter.roughness_factor = 0;
@@ -52,14 +53,16 @@ CaseResult run(Effort effort) {
             const auto sigma = static_cast<float>(depth / distance);
             const long double expected = std::exp(-static_cast<long double>(sigma) * d);
             const auto where = [&] { return "sigma " + exact(sigma) + " distance " + exact(d); };
-            const double e = relative(static_cast<double>(transmittance(Rgb(sigma), d).x), expected);
+            const double e =
+                relative(static_cast<double>(transmittance(Rgb(sigma), d).x), expected);
             const double n = relative(static_cast<double>(naive_transmittance(sigma, d)), expected);
             own.add(e, where);
             naive.add(n, where);
             own_here.add(e);
             naive_here.add(n);
         }
-        if (i % (steps / 40) == 0) sweep.points.push_back({depth, naive_here.value, own_here.value});
+        if (i % (steps / 40) == 0)
+            sweep.points.push_back({depth, naive_here.value, own_here.value});
     }
     // Channels with nothing, next to nothing and everything, over no way, a way and an endless one.
     double naive_bad = 0;
@@ -73,7 +76,7 @@ CaseResult run(Effort effort) {
         }
     }
     // The path tracer through a slab.
-    WorkerPool pool(threads_for(effort));
+    WorkerPool pool(run_settings().threads);
     const Rgb color(0.5f, 1, 1e-3f);
     PathSettings settings;
     NonFiniteCount bad;
@@ -81,16 +84,16 @@ CaseResult run(Effort effort) {
     for (const double thickness : {1e-6, 1e-2, 1.0, 1e3, 1e6}) {
         for (const double depth : {1e-6, 1e-3, 0.5}) {
             const Camera camera = camera_at(Vec3d(0, 0, 5 * thickness), Vec3d(0), 1e-4);
-            const Film film = render_film(slab(color, thickness, depth).build(pool), camera, settings,
-                                          4, 4, 2, pool, -1, &bad);
+            const Film film = render_film(slab(color, thickness, depth).build(pool), camera,
+                                          settings, 4, 4, 2, pool, -1, &bad);
             const ImageRgba mean = film.image(false);
             for (const Rgb& c : mean.rgb) {
                 for (int k = 0; k < 3; ++k) {
-                    const long double expected =
-                        std::pow(static_cast<long double>(color[k]), static_cast<long double>(depth));
+                    const long double expected = std::pow(static_cast<long double>(color[k]),
+                                                          static_cast<long double>(depth));
                     image.add(relative(static_cast<double>(c[k]), expected), [&] {
-                        return "thickness " + exact(thickness) + " over " + exact(depth) + " channel " +
-                               std::to_string(k);
+                        return "thickness " + exact(thickness) + " over " + exact(depth) +
+                               " channel " + std::to_string(k);
                     });
                 }
             }
@@ -101,8 +104,8 @@ CaseResult run(Effort effort) {
                                own.or_infinite(), 1e-6, Gate::at_most, own.where});
     result.measures.push_back({"transmittances outside [0, 1] or not exact without absorption",
                                naive_bad, own_bad, 0, Gate::at_most, ""});
-    result.measures.push_back({"relative error of a slab's image", std::nan(""), image.or_infinite(),
-                               1e-6, Gate::at_most, image.where});
+    result.measures.push_back({"relative error of a slab's image", std::nan(""),
+                               image.or_infinite(), 1e-6, Gate::at_most, image.where});
     result.sweeps.push_back(sweep);
     return result;
 }
@@ -115,8 +118,8 @@ const bool kAdded = add_case(
 const bool kNoScattering[] = {
     add_not_simulated({"V02", "Henyey-Greenstein at its limits",
                        "media absorb and do not scatter, so there is no phase function"}),
-    add_not_simulated({"V03", "white medium furnace and mean chord",
-                       "media absorb and do not scatter"}),
+    add_not_simulated(
+        {"V03", "white medium furnace and mean chord", "media absorb and do not scatter"}),
     add_not_simulated({"V04", "nested and overlapping dielectrics",
                        "a path knows the medium that it entered last; glTF has no priorities"}),
     add_not_simulated({"V05", "point light inside a medium",
