@@ -8,8 +8,8 @@
 #include "core/integrate/tiers.h"
 #include "core/scattering/henyey_greenstein.h"
 #include "core/scattering/medium.h"
-#include "tests/scene_builder.h"
-#include "tests/stats/chi2.h"
+#include "oracles/scene_builder.h"
+#include "oracles/stats/chi2.h"
 
 namespace talbot {
 namespace {

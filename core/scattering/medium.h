@@ -61,11 +61,17 @@ inline Medium medium_of(const Material& material) {
 }
 
 // Beer-Lambert transmittance over a distance >= 0, which may be infinite; a channel that nothing
-// attenuates keeps 1 exactly.
+// attenuates keeps 1 exactly. What rounding took from the optical depth is put back, else it would
+// cost that many roundings.
 inline Rgb transmittance(const Rgb& sigma, float distance) {
+    constexpr double kOpaque = 128;  // what passes is less than any float
     Rgb t(1);
     for (int c = 0; c < 3; ++c) {
-        if (sigma[c] > 0) t[c] = distance > 0 ? std::exp(-sigma[c] * distance) : 1.0f;
+        if (!(sigma[c] > 0) || !(distance > 0)) continue;
+        const double depth = static_cast<double>(sigma[c]) * distance;
+        const auto rounded = static_cast<float>(depth);
+        t[c] = depth < kOpaque ? std::exp(-rounded) * (1 - static_cast<float>(depth - rounded))
+                               : 0.0f;
     }
     return t;
 }
