@@ -260,6 +260,7 @@ int run_headless(const Options& given, Clock::time_point process_start) {
     const auto pool = std::make_shared<WorkerPool>(options.threads);
     Result<SceneSetup> setup = set_up_scene(options, *pool);
     if (!setup) return report_error(setup.error());
+    setup->file.reset();
     if (*resumed) {
         if (Status status = check_resume(options, **resumed, *setup); !status)
             return report_error(status.error());

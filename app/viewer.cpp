@@ -63,7 +63,7 @@ Status run_viewer(const ViewerOptions& options) {
     if (!made) return made.error();
     FrameLoop& loop = **made;
     if (options.scene.scene) {
-        loop.show(options.scene.scene, options.scene.camera);
+        loop.show(options.scene);
     } else {
         loop.open_file(options.file.string());
     }
@@ -115,7 +115,7 @@ Status save_window_screenshot(RenderSession& session, const ScreenshotOptions& o
 
     ViewerModel model;
     Edits ignored;
-    show_scene(model, snapshot->scene, snapshot->camera, ignored);
+    show_scene(model, {snapshot->scene, snapshot->camera, nullptr, {}}, ignored);
     model.settings = snapshot->settings;
     model.display = options.display;
     model.look.fit_window = false;

@@ -1,5 +1,6 @@
 #include "ui/background_jobs.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <utility>
@@ -50,6 +51,23 @@ void BackgroundJobs::load_scene(const std::filesystem::path& file, SceneLoader l
           });
 }
 
+void BackgroundJobs::reread_scene(std::shared_ptr<GltfFile> file, const SceneChoice& choice,
+                                  const Environment& environment) {
+    start(true, "",
+          [file = std::move(file), choice, environment](std::stop_token stop,
+                                                        std::atomic<float>&) -> Outcome {
+              Result<RereadScene> reread = talbot::reread_scene(file, choice, environment, stop);
+              if (!reread) return reread.error();
+              return std::move(*reread);
+          });
+}
+
+bool BackgroundJobs::loading() const {
+    return std::any_of(jobs_.begin(), jobs_.end(), [](const std::unique_ptr<Job>& job) {
+        return job->load && !job->replaced;
+    });
+}
+
 void BackgroundJobs::load_environment(const std::filesystem::path& file) {
     start(true, "loading " + file.filename().string(),
           [file](std::stop_token, std::atomic<float>&) -> Outcome {
@@ -84,7 +102,7 @@ std::optional<BackgroundJobs::Outcome> BackgroundJobs::poll() {
 
 std::string BackgroundJobs::status() const {
     for (const std::unique_ptr<Job>& job : jobs_) {
-        if (job->replaced) continue;
+        if (job->replaced || job->title.empty()) continue;
         if (!job->load) return job->title;
         char percent[16];
         std::snprintf(percent, sizeof percent, " %.0f %%",

@@ -24,7 +24,8 @@ struct SavedFile {
 class BackgroundJobs {
   public:
     using Outcome =
-        std::variant<LoadedScene, std::shared_ptr<const EnvironmentImage>, SavedFile, Error>;
+        std::variant<LoadedScene, RereadScene, std::shared_ptr<const EnvironmentImage>, SavedFile,
+                     Error>;
 
     BackgroundJobs() = default;
     ~BackgroundJobs();  // cancels loads, finishes saves
@@ -32,6 +33,9 @@ class BackgroundJobs {
     BackgroundJobs& operator=(const BackgroundJobs&) = delete;
 
     void load_scene(const std::filesystem::path& file, SceneLoader loader);
+    // Replaces a load that is under way; shows no status.
+    void reread_scene(std::shared_ptr<GltfFile> file, const SceneChoice& choice,
+                      const Environment& environment);
     void load_environment(const std::filesystem::path& file);
 
     // PNG through the display settings, EXR and the like scene-linear.
@@ -42,6 +46,8 @@ class BackgroundJobs {
     std::optional<Outcome> poll();
 
     bool busy() const { return !jobs_.empty(); }
+    // Whether a load or a rereading is under way.
+    bool loading() const;
 
     // "loading ToyCar.gltf 40 %", or empty.
     std::string status() const;

@@ -73,14 +73,15 @@ Status FrameLoop::load() {
     return Done{};
 }
 
-void FrameLoop::show(std::shared_ptr<const Scene> scene, const Camera& camera) {
-    show_scene(model_, std::move(scene), camera, edits_);
+void FrameLoop::show(LoadedScene loaded) {
+    show_scene(model_, std::move(loaded), edits_);
 }
 
 bool FrameLoop::needs_frame() const {
     if (settle_frames_ > 0 || !input_.empty() || edits_.any() || jobs_.busy() || !notice_.empty())
         return true;
     if (session_.latest() != snapshot_) return true;
+    if (model_.playing || model_.choice != model_.shown_choice) return true;
     if (wanted_size_ != PixelSize{}) return true;
     const ImGuiIO& io = ImGui::GetIO();
     // Held keys fly, held buttons drag, a text box's cursor blinks.
@@ -104,6 +105,8 @@ void FrameLoop::update() {
     take_input(start);
     draw_ui(start - last_step_);
     finish_jobs();
+    advance_animation(model_, start - last_step_);
+    follow_choice(start);
     follow_window(start);
     submit_changes(start);
     last_step_ = start;
@@ -208,6 +211,9 @@ void FrameLoop::run_command(ViewerCommand command) {
         case ViewerCommand::restart:
             edits_.restart = true;
             break;
+        case ViewerCommand::toggle_animation:
+            model_.playing = !model_.playing && model_.choices().last_key() > 0;
+            break;
         case ViewerCommand::frame_all:
             edits_.camera |= frame_all(model_);
             break;
@@ -307,18 +313,40 @@ void FrameLoop::save_file(const std::string& file) {
 void FrameLoop::finish_jobs() {
     while (std::optional<BackgroundJobs::Outcome> outcome = jobs_.poll()) {
         settle_frames_ = kSettleFrames;
+        if (auto* reread = std::get_if<RereadScene>(&*outcome)) {
+            const bool same_scene = reread->loaded.choice.scene == model_.shown_choice.scene;
+            if (same_scene)
+                replace_scene(model_, std::move(reread->loaded), edits_);
+            else
+                show(std::move(reread->loaded));
+            continue;
+        }
         if (!jobs_.busy()) session_.submit(SetPaused{model_.paused});
         if (auto* scene = std::get_if<LoadedScene>(&*outcome)) {
-            show(scene->scene, scene->camera);
+            show(std::move(*scene));
         } else if (auto* image = std::get_if<std::shared_ptr<const EnvironmentImage>>(&*outcome)) {
             model_.environment.image = *image;
             edits_.environment = true;
         } else if (const auto* saved = std::get_if<SavedFile>(&*outcome)) {
             notify("Saved " + saved->file.string(), false);
         } else if (const auto* error = std::get_if<Error>(&*outcome)) {
-            if (error->kind != ErrorKind::cancelled) notify(error->line(), true);
+            if (error->kind == ErrorKind::cancelled) continue;
+            notify(error->line(), true);
+            // What could not be read is not tried again.
+            model_.choice = model_.shown_choice;
+            model_.playing = false;
         }
     }
+}
+
+// Another variant or moment is read when the last one has been shown, so that a drag over the time
+// shows every scene that it makes.
+void FrameLoop::follow_choice(double now) {
+    if (model_.choice == model_.shown_choice || !model_.file) return;
+    if (chosen_at_ == 0) chosen_at_ = now;
+    if (jobs_.loading() || edits_.any()) return;
+    if (snapshot_ && snapshot_->generation < generation_) return;
+    jobs_.reread_scene(model_.file, model_.choice, model_.environment);
 }
 
 // The image takes the size of its part of the window, once that has rested.
@@ -354,9 +382,11 @@ void FrameLoop::submit_changes(double input_time) {
         const bool shows = change_kind(change, kind);
         generation_ = session_.submit(std::move(change));
         if (!shows) continue;
-        const bool opened = kind == ChangeKind::scene && opened_at_ > 0;
-        recorder_.submitted(generation_, kind, opened ? opened_at_ : input_time);
-        if (opened) opened_at_ = 0;
+        double asked_at = input_time;
+        if (kind == ChangeKind::scene && opened_at_ > 0) asked_at = std::exchange(opened_at_, 0);
+        if (kind == ChangeKind::animation && chosen_at_ > 0)
+            asked_at = std::exchange(chosen_at_, 0);
+        recorder_.submitted(generation_, kind, asked_at);
         latch_until_ = input_time + kLatchSeconds;
     }
 }

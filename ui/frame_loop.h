@@ -42,7 +42,7 @@ class FrameLoop {
     Edits& edits() { return edits_; }
 
     // Puts a scene on show with the next step.
-    void show(std::shared_ptr<const Scene> scene, const Camera& camera);
+    void show(LoadedScene loaded);
 
     // Whether a step would draw something that the last one did not.
     bool needs_frame() const;
@@ -86,6 +86,7 @@ class FrameLoop {
     void select_at(const Vec2f& position);
     std::optional<Pick> pick_at(const Vec2f& position) const;
     void finish_jobs();
+    void follow_choice(double now);
     void follow_window(double now);
     void submit_changes(double input_time);
     void draw_and_present();
@@ -113,6 +114,7 @@ class FrameLoop {
     double notice_until_ = 0;
     double last_step_ = 0;
     double update_seconds_ = 0;
+    double chosen_at_ = 0;    // when the choice was made that is being read
     double opened_at_ = 0;    // when the file was asked for that is being loaded
     double latch_until_ = 0;  // drawing waits for the image of generation_ no longer than this
     double gl_seconds_ = 0;

@@ -60,6 +60,7 @@ void draw_panels(PixelSize framebuffer, float scale, ViewerModel& model, Edits& 
 
     begin_window("scene", {0, 0, side, height}, kFixedWindow);
     if (section("File")) draw_file_panel(model, form, request);
+    if (has_choices(model) && section("Scene")) draw_scene_panel(model);
     if (section("Session")) draw_session_panel(model, edits, snapshot);
     if (section("Camera")) edits.camera |= draw_camera_panel(model);
     if (section("Environment and lights")) draw_lights_panel(model, edits);

@@ -10,6 +10,10 @@
 
 namespace talbot {
 
+// Scenes, variants and animations of the file, and whether it has any to choose from.
+void draw_scene_panel(ViewerModel& model);
+bool has_choices(const ViewerModel& model);
+
 // Cameras of the file, pose, lens. True when the camera moved or changed.
 bool draw_camera_panel(ViewerModel& model);
 

@@ -12,8 +12,9 @@
 namespace talbot {
 namespace {
 
-// Share of a panel's width that labels take.
+// Share of a panel's width that labels take, and that a long one may take.
 constexpr float kLabelShare = 0.43f;
+constexpr float kLongLabelShare = 0.64f;
 
 void show_tooltip(std::string_view text) {
     if (text.empty() || !ImGui::IsItemHovered()) return;
@@ -134,7 +135,17 @@ void begin_row(std::string_view label, std::string_view tooltip) {
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted(label.data(), label.data() + label.size());
     show_tooltip(tooltip);
-    ImGui::SameLine(start + std::floor(width * kLabelShare));
+    const float needed = ImGui::CalcTextSize(label.data(), label.data() + label.size()).x +
+                         ImGui::GetStyle().ItemInnerSpacing.x;
+    float column = std::floor(width * kLabelShare);
+    if (needed > width * kLongLabelShare) {
+        // The label has a line of its own.
+        ImGui::Dummy(ImVec2(0, 0));
+        ImGui::SameLine(start + column);
+    } else {
+        column = std::max(column, needed);
+        ImGui::SameLine(start + column);
+    }
     ImGui::SetNextItemWidth(-1);
 }
 

@@ -18,6 +18,14 @@ bool has_light(const SceneDesc& desc) {
     });
 }
 
+// The file's first camera, else one that frames everything.
+Camera first_camera(const Scene& scene) {
+    if (!scene.cameras().empty()) return scene.cameras().front();
+    Vec3d lower, upper;
+    scene.world_bounds(lower, upper);
+    return frame_bounds(lower, upper, 16.0 / 9.0);
+}
+
 }  // namespace
 
 Environment default_environment() {
@@ -41,7 +49,9 @@ Result<LoadedScene> load_scene(const std::filesystem::path& file, std::stop_toke
     options.stop = stop;
     options.threads = threads;
     options.progress = progress;
-    Result<SceneDesc> desc = load_gltf(file, options);
+    const Result<std::shared_ptr<GltfFile>> opened = GltfFile::open(file, options);
+    if (!opened) return opened.error();
+    Result<SceneDesc> desc = (*opened)->read(options);
     if (!desc) return desc.error();
     if (!has_light(*desc)) desc->environment = fallback;
 
@@ -55,14 +65,37 @@ Result<LoadedScene> load_scene(const std::filesystem::path& file, std::stop_toke
     loaded.scene = Scene::build(std::move(*desc), pool, build);
     if (!loaded.scene)
         return Error{ErrorKind::cancelled, file.string(), "", "loading was cancelled"};
-    if (!loaded.scene->cameras().empty()) {
-        loaded.camera = loaded.scene->cameras().front();
-    } else {
-        Vec3d lower, upper;
-        loaded.scene->world_bounds(lower, upper);
-        loaded.camera = frame_bounds(lower, upper, 16.0 / 9.0);
-    }
+    loaded.file = *opened;
+    loaded.choice.scene = loaded.file->choices().default_scene;
+    loaded.camera = first_camera(*loaded.scene);
     return loaded;
+}
+
+Result<RereadScene> reread_scene(const std::shared_ptr<GltfFile>& file, const SceneChoice& choice,
+                                 const Environment& environment, std::stop_token stop) {
+    const GltfChoices& choices = file->choices();
+    LoadOptions options;
+    options.stop = stop;
+    if (choice.scene < choices.scenes.size()) options.scene = std::to_string(choice.scene);
+    if (choice.variant && *choice.variant < choices.variants.size())
+        options.variant = choices.variants[*choice.variant];
+    options.animation_time = choice.seconds;
+    Result<SceneDesc> desc = file->read(options);
+    if (!desc) return desc.error();
+    desc->environment = environment;
+    WorkerPool pool(0);
+    SceneBuildOptions build;
+    build.stop = stop;
+    build.quality = BuildQuality::fast;
+    const std::string name = desc->file;
+    RereadScene reread;
+    reread.loaded.scene = Scene::build(std::move(*desc), pool, build);
+    if (!reread.loaded.scene)
+        return Error{ErrorKind::cancelled, name, "", "loading was cancelled"};
+    reread.loaded.camera = first_camera(*reread.loaded.scene);
+    reread.loaded.file = file;
+    reread.loaded.choice = choice;
+    return reread;
 }
 
 }  // namespace talbot

@@ -8,9 +8,9 @@
 #include <utility>
 #include <variant>
 
-#include "core/integrate/object_ids.h"
 #include "core/session/render_pass.h"
 #include "core/session/scheduler.h"
+#include "core/session/view_layers.h"
 
 namespace talbot {
 namespace {
@@ -166,8 +166,10 @@ class RenderSession::Impl {
         const RenderScene* previous = scene_.get();
         scene_ = std::make_shared<const RenderScene>(std::move(change.scene), previous);
         camera_ = change.camera;
-        measured_rate_ = 0;
-        selection_.reset();
+        if (!change.same_objects) {
+            measured_rate_ = 0;
+            layers_.select(std::nullopt);
+        }
         restart_ = true;
     }
     void apply(SetCamera& change) {
@@ -196,10 +198,8 @@ class RenderSession::Impl {
     }
     void apply(SetPaused& change) { paused_ = change.paused; }
     void apply(SetPassLimit& change) { pass_limit_ = change.passes; }
-    void apply(SetSelection& change) {
-        selection_ = change.object;
-        object_ids_.reset();
-    }
+    void apply(SetSelection& change) { layers_.select(change.object); }
+    void apply(SetAov& change) { layers_.show(change.aov); }
     void apply(SetFilm& change) { pending_film_ = std::move(change.state); }
     void apply(Restart&) { restart_ = true; }
 
@@ -224,16 +224,17 @@ class RenderSession::Impl {
             rays_ = 0;
             render_seconds_ = 0;
             nonfinite_ = {};
+            notes_ = {};
             stop_reached_ = false;
             previews_done_ = 0;
             last_divisor_ = 0;
-            object_ids_.reset();
+            layers_.restart();
             tracker_.reset(0, settings_.first_sample);
             resumed_seconds_ = 0;
             shown_image_.reset();
             take_pending_film();
         } else if (scene_ && shown_image_) {
-            if (selection_ && !object_ids_) update_object_ids();
+            update_layers({});
             publish(shown_image_, shown_is_preview_);
         }
     }
@@ -305,6 +306,7 @@ class RenderSession::Impl {
         if (!complete) return;
         ++previews_done_;
         last_divisor_ = divisor;
+        layers_.preview({*scene_, camera_, settings_, *pool_}, width, height);
         publish(std::make_shared<const ImageRgba>(film.image(settings_.transparent_background)),
                 true);
     }
@@ -322,19 +324,21 @@ class RenderSession::Impl {
 
     void render_pass() {
         renew_film();
-        if (selection_ && !object_ids_) update_object_ids();
         const Clock::time_point start = Clock::now();
         TileCounts counts;
+        counts.log = notes_.fork();
         const bool complete = render(film_, passes_ + 1, counts);
         const double seconds = seconds_since(start);
         samples_ += counts.samples;
         rays_ += counts.rays;
         nonfinite_.merge(counts.nonfinite);
+        notes_.merge(counts.log);
         render_seconds_ += seconds;
         measured_rate_ = blended_rate(measured_rate_, counts.samples, seconds);
         if (complete) {
             ++passes_;
             tracker_.observe(film_, passes_, render_seconds_, pool_.get());
+            notes_.observe(film_, tracker_);
         }
         const bool out_of_time =
             policy_.time_limit_seconds > 0 && spent_seconds() >= policy_.time_limit_seconds;
@@ -350,14 +354,13 @@ class RenderSession::Impl {
         if (!policy_.interactive && !last && !std::has_single_bit(passes_) &&
             seconds_since(last_publish_) < 0.5)
             return;
-        publish(std::make_shared<const ImageRgba>(film_.image(settings_.transparent_background)),
-                false);
+        update_layers(work_stop_.get_token());
+        publish_film();
     }
 
-    void update_object_ids() {
-        const CameraRays camera(camera_, scene_->scene().origin(), settings_.width,
-                                settings_.height);
-        object_ids_ = render_object_ids(*scene_, camera, settings_.width, settings_.height, *pool_);
+    void update_layers(const std::stop_token& stop) {
+        layers_.update({*scene_, camera_, settings_, *pool_}, stop);
+        if (passes_ > 0) layers_.update_from(film_, tracker_.block_errors());
     }
 
     void publish(std::shared_ptr<const ImageRgba> image, bool preview) {
@@ -376,8 +379,10 @@ class RenderSession::Impl {
         snapshot->full_width = settings_.width;
         snapshot->full_height = settings_.height;
         snapshot->image = std::move(image);
-        if (selection_) snapshot->object_ids = object_ids_;
+        snapshot->object_ids = layers_.object_ids();
+        snapshot->aov = layers_.aov();
         snapshot->nonfinite = nonfinite_;
+        snapshot->notes = notes_.latest();
         snapshot->error = tracker_.at(passes_, render_seconds_);
         snapshot->scene = scene_->shared_scene();
         snapshot->camera = camera_;
@@ -453,8 +458,8 @@ class RenderSession::Impl {
     bool restart_ = false;
     uint32_t previews_done_ = 0;
     uint32_t last_divisor_ = 0;
-    std::optional<uint32_t> selection_;
-    std::shared_ptr<const std::vector<uint32_t>> object_ids_;
+    ViewLayers layers_;
+    NoteKeeper notes_;
     std::shared_ptr<const ImageRgba> shown_image_;
     bool shown_is_preview_ = false;
     Clock::time_point last_publish_{};
