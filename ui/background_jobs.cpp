@@ -77,6 +77,22 @@ void BackgroundJobs::load_environment(const std::filesystem::path& file) {
           });
 }
 
+void BackgroundJobs::retrace(std::shared_ptr<const Snapshot> snapshot, const NotedSample& sample) {
+    start(false, "tracing a path",
+          [snapshot = std::move(snapshot), sample, retracer = retracer_](
+              std::stop_token, std::atomic<float>&) -> Outcome {
+              return retracer->path(snapshot->scene, snapshot->camera, snapshot->settings, sample.x,
+                                    sample.y, sample.sample);
+          });
+}
+
+void BackgroundJobs::measure_bias(std::function<std::vector<BiasLine>()> measure) {
+    start(false, "measuring bias",
+          [measure = std::move(measure)](std::stop_token, std::atomic<float>&) -> Outcome {
+              return measure();
+          });
+}
+
 void BackgroundJobs::save(const std::filesystem::path& file, std::shared_ptr<const ImageRgba> image,
                           const DisplaySettings& display) {
     start(
