@@ -34,8 +34,13 @@ SceneChoice choice_of(const Options& options, const GltfFile& file) {
 // follows the window unless --size was given.
 Result<ViewerOptions> load_viewer(const Options& options) {
     WorkerPool pool(options.threads);
-    const Result<SceneSetup> setup = set_up_scene(options, pool);
+    Result<SceneSetup> setup = set_up_scene(options, pool);
     if (!setup) return setup.error();
+    const Scene& scene = *setup->scene;
+    const bool dark =
+        !has_light(scene.punctual_lights(), scene.environment(), scene.materials());
+    if (dark && options.environment.empty())
+        setup->scene = scene.with_environment(default_environment());
     ViewerOptions viewer;
     viewer.scene = {setup->scene, setup->camera, setup->file, choice_of(options, *setup->file)};
     viewer.file = scene_path(options);

@@ -143,7 +143,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Site{PathValue::bsdf_weight, "bsdf_weight", {kNan, kInf}},
                     Site{PathValue::bsdf_sample_pdf, "bsdf_sample_pdf", {kNan}},
                     Site{PathValue::survival, "survival", {kNan}}),
-    [](const testing::TestParamInfo<Site>& info) { return std::string(info.param.name); });
+    [](const auto& site) { return std::string(site.param.name); });
 
 // The control: a fault that stays in the range of the possible is not noticed, and nothing is
 // counted where there is none.

@@ -46,7 +46,7 @@ void draw_scale(const AovImage& image) {
 }
 
 void triple_row(std::string_view label, const Rgb& v) {
-    text_row(label, "%.4g  %.4g  %.4g", static_cast<double>(v.x), static_cast<double>(v.y),
+    text_row(label, "%.3g  %.3g  %.3g", static_cast<double>(v.x), static_cast<double>(v.y),
              static_cast<double>(v.z));
 }
 

@@ -8,16 +8,6 @@
 namespace talbot {
 namespace {
 
-bool has_light(const SceneDesc& desc) {
-    if (!desc.lights.empty() || desc.environment.image || desc.environment.gradient ||
-        !is_black(desc.environment.color)) {
-        return true;
-    }
-    return std::any_of(desc.materials.begin(), desc.materials.end(), [](const Material& material) {
-        return material.is_emissive() || material.unlit;
-    });
-}
-
 // The file's first camera, else one that frames everything.
 Camera first_camera(const Scene& scene) {
     if (!scene.cameras().empty()) return scene.cameras().front();
@@ -27,6 +17,16 @@ Camera first_camera(const Scene& scene) {
 }
 
 }  // namespace
+
+bool has_light(const std::vector<PunctualLight>& lights, const Environment& environment,
+               const std::vector<Material>& materials) {
+    if (!lights.empty() || environment.image || environment.gradient ||
+        !is_black(environment.color))
+        return true;
+    return std::any_of(materials.begin(), materials.end(), [](const Material& material) {
+        return material.is_emissive() || material.unlit;
+    });
+}
 
 Environment default_environment() {
     Environment environment;
@@ -53,7 +53,8 @@ Result<LoadedScene> load_scene(const std::filesystem::path& file, std::stop_toke
     if (!opened) return opened.error();
     Result<SceneDesc> desc = (*opened)->read(options);
     if (!desc) return desc.error();
-    if (!has_light(*desc)) desc->environment = fallback;
+    if (!has_light(desc->lights, desc->environment, desc->materials))
+        desc->environment = fallback;
 
     WorkerPool pool(threads);
     SceneBuildOptions build;

@@ -44,6 +44,10 @@ Result<LoadedScene> load_scene(const std::filesystem::path& file, std::stop_toke
                                const LoadProgress& progress, const Environment& fallback,
                                unsigned threads);
 
+// Whether anything shines.
+bool has_light(const std::vector<PunctualLight>& lights, const Environment& environment,
+               const std::vector<Material>& materials);
+
 // Reads and builds another choice of an open file, under this environment. For the eye, not for a
 // long render: the structure for rays is built fast rather than well.
 Result<RereadScene> reread_scene(const std::shared_ptr<GltfFile>& file, const SceneChoice& choice,

@@ -102,8 +102,8 @@ class RenderSession::Impl {
             {
                 std::unique_lock lock(mutex_);
                 work = next_work(schedule_state());
-                if (work.kind == WorkKind::idle && changes_.empty() && film_requests_.empty() &&
-                    !quit_) {
+                if (work.kind == WorkKind::idle && !layers_are_wanted() && changes_.empty() &&
+                    film_requests_.empty() && !quit_) {
                     wake_.wait(lock, [this] {
                         return quit_ || !changes_.empty() || !film_requests_.empty();
                     });
@@ -220,8 +220,7 @@ class RenderSession::Impl {
             effects_ = analyse_effects(scene_->scene(), camera_);
             tier_ = smallest_tier(effects_.active | settings_.forced_on);
             passes_ = 0;
-            samples_ = 0;
-            rays_ = 0;
+            samples_ = rays_ = 0;
             render_seconds_ = 0;
             nonfinite_ = {};
             notes_ = {};
@@ -234,7 +233,9 @@ class RenderSession::Impl {
             shown_image_.reset();
             take_pending_film();
         } else if (scene_ && shown_image_) {
-            update_layers({});
+            if (layers_are_wanted())
+                layers_.glimpse({*scene_, camera_, settings_, *pool_}, measured_rate_,
+                                policy_.preview_seconds);
             publish(shown_image_, shown_is_preview_);
         }
     }
@@ -271,15 +272,13 @@ class RenderSession::Impl {
     double spent_seconds() const { return render_seconds_ - resumed_seconds_; }
 
     void carry_out(const Work& work) {
-        switch (work.kind) {
-            case WorkKind::idle:
-                break;
-            case WorkKind::preview:
-                render_preview(work.preview_divisor);
-                break;
-            case WorkKind::pass:
-                render_pass();
-                break;
+        if (work.kind == WorkKind::preview) {
+            render_preview(work.preview_divisor);
+        } else if (layers_are_wanted()) {
+            update_layers(work_stop_.get_token());
+            publish(shown_image_, shown_is_preview_);
+        } else if (work.kind == WorkKind::pass) {
+            render_pass();
         }
     }
 
@@ -358,6 +357,7 @@ class RenderSession::Impl {
         publish_film();
     }
 
+    bool layers_are_wanted() const { return shown_image_ && layers_.are_missing(); }
     void update_layers(const std::stop_token& stop) {
         layers_.update({*scene_, camera_, settings_, *pool_}, stop);
         if (passes_ > 0) layers_.update_from(film_, tracker_.block_errors());

@@ -1,6 +1,9 @@
 #include "core/session/view_layers.h"
 
+#include <algorithm>
+
 #include "core/integrate/object_ids.h"
+#include "core/session/scheduler.h"
 
 namespace talbot {
 namespace {
@@ -37,6 +40,10 @@ bool ViewLayers::traces() const {
     return aov_ && aov_info(*aov_).source != AovSource::film;
 }
 
+bool ViewLayers::are_missing() const {
+    return (selection_ && !object_ids_) || (traces() && buffer_.samples() == 0);
+}
+
 void ViewLayers::preview(const View& view, uint32_t width, uint32_t height) {
     if (!traces()) return;
     AovBuffer buffer(*aov_, width, height);
@@ -46,6 +53,14 @@ void ViewLayers::preview(const View& view, uint32_t width, uint32_t height) {
     if (done) image_ = std::make_shared<const AovImage>(buffer.image());
 }
 
+void ViewLayers::glimpse(const View& view, double samples_per_second, double seconds) {
+    const RenderSettings& settings = view.settings;
+    const uint64_t pixels = uint64_t{settings.width} * settings.height;
+    const uint32_t divisor = preview_divisor(pixels, samples_per_second, seconds);
+    preview(view, std::max(1u, settings.width / divisor), std::max(1u, settings.height / divisor));
+}
+
+// What is cut short is begun anew.
 void ViewLayers::update(const View& view, const std::stop_token& stop) {
     const uint32_t width = view.settings.width;
     const uint32_t height = view.settings.height;
