@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/bias_record.h"
 #include "core/io/image_io.h"
-#include "ui/frame_loop.h"
 #include "ui/style.h"
 #include "ui/window.h"
 
@@ -48,6 +48,21 @@ ViewerModel initial_model(const ViewerOptions& options) {
     return model;
 }
 
+FrameLoopOptions frame_loop_options(const ViewerOptions& options) {
+    FrameLoopOptions loop;
+    loop.loader = options.loader;
+    loop.ui_scale = options.ui_scale;
+    loop.bias = [threads = options.threads](const std::shared_ptr<const Scene>& scene,
+                                            const Camera& camera, const RenderSettings& settings) {
+        WorkerPool pool(threads);
+        std::vector<BiasLine> lines;
+        for (BiasEntry& entry : measure_bias(scene, camera, settings, 0, pool))
+            lines.push_back({std::move(entry.name), entry.floor});
+        return lines;
+    };
+    return loop;
+}
+
 Status run_viewer(const ViewerOptions& options) {
     Result<std::unique_ptr<Window>> opened = Window::open(window_size(options), "Talbot");
     if (!opened) return opened.error();
@@ -55,15 +70,12 @@ Status run_viewer(const ViewerOptions& options) {
 
     RenderSession session(viewer_policy(options.threads));
     session.on_snapshot([] { Window::wake(); });
-    FrameLoopOptions loop_options;
-    loop_options.loader = options.loader;
-    loop_options.ui_scale = options.ui_scale;
     Result<std::unique_ptr<FrameLoop>> made =
-        FrameLoop::make(session, window, initial_model(options), loop_options);
+        FrameLoop::make(session, window, initial_model(options), frame_loop_options(options));
     if (!made) return made.error();
     FrameLoop& loop = **made;
     if (options.scene.scene) {
-        loop.show(options.scene.scene, options.scene.camera);
+        loop.show(options.scene);
     } else {
         loop.open_file(options.file.string());
     }
@@ -115,7 +127,7 @@ Status save_window_screenshot(RenderSession& session, const ScreenshotOptions& o
 
     ViewerModel model;
     Edits ignored;
-    show_scene(model, snapshot->scene, snapshot->camera, ignored);
+    show_scene(model, {snapshot->scene, snapshot->camera, nullptr, {}}, ignored);
     model.settings = snapshot->settings;
     model.display = options.display;
     model.look.fit_window = false;

@@ -45,32 +45,103 @@ void draw_trust(const ErrorEstimate& error) {
     }
 }
 
-bool draw_target(const ErrorEstimate& error, ViewSettings& look) {
-    begin_row("Target error", "Relative RMS error of the image, in per cent.");
-    const double smallest = 0x1p-20;
-    const double largest = 1000;
-    double target = look.target_error_percent;
-    const bool changed = ImGui::InputDouble("##target", &target, 0, 0, "%.3g %%");
-    if (changed) look.target_error_percent = std::clamp(target, smallest, largest);
-    const ErrorEstimate::Prediction prediction = error.seconds_to(look.target_error_percent);
+// In whole per cent, rounded down, and 100 only where nothing is left.
+int percent_of_the_way(double spent, double left) {
+    if (!(left > 0)) return 100;
+    return std::min(99, static_cast<int>(std::floor(100 * spent / (spent + left))));
+}
+
+void draw_prediction(const ErrorEstimate& error, double seconds_now, double target) {
     begin_row("Time to target");
-    if (!prediction.valid) {
+    const ErrorEstimate::Prediction prediction = error.seconds_to(target);
+    if (error.trust == Trust::red) {
+        ImGui::TextDisabled("not trusted");
+    } else if (!prediction.valid) {
         ImGui::TextDisabled("not known yet");
-    } else if (prediction.seconds <= 0) {
+    } else if (error.hi95 <= target) {
         ImGui::TextUnformatted("reached");
     } else {
         ImGui::Text("%s", duration_text(prediction.seconds).c_str());
         text_row("", "%s to %s", duration_text(prediction.lo95).c_str(),
                  duration_text(prediction.hi95).c_str());
+        // By the further end of the band, so that it does not promise too much.
+        const int percent = percent_of_the_way(seconds_now, std::max(prediction.hi95, 0x1p-30));
+        begin_row("Progress");
+        const std::string text = std::to_string(percent) + " %";
+        ImGui::ProgressBar(static_cast<float>(percent) / 100, ImVec2(-1, 0), text.c_str());
     }
-    return changed;
+}
+
+// The error that a typed time buys.
+void draw_budget(const ErrorEstimate& error, ViewSettings& look) {
+    begin_row("Further seconds", "Of rendering; below, the error that they buy.");
+    double seconds = look.budget_seconds;
+    if (ImGui::InputDouble("##budget", &seconds, 0, 0, "%.6g s"))
+        look.budget_seconds = std::clamp(seconds, 0.0, 1e9);
+    begin_row("buy an error of");
+    const ErrorEstimate::FutureError future = error.error_after(look.budget_seconds);
+    if (error.trust == Trust::red) {
+        ImGui::TextDisabled("not trusted");
+    } else if (!future.valid) {
+        ImGui::TextDisabled("not known yet");
+    } else {
+        ImGui::Text("%s", percent_text(future.relrmse_percent).c_str());
+        text_row("", "%s to %s", percent_text(future.lo95).c_str(),
+                 percent_text(future.hi95).c_str());
+    }
+}
+
+void draw_target(const ErrorEstimate& error, double seconds_now, ViewerModel& model) {
+    begin_row("Target error", "Relative RMS error of the image, in per cent; or drag the line.");
+    const Parameter<ViewerModel>* target =
+        find_parameter(session_parameters(), "target_error_percent");
+    double percent = model.look.target_error_percent;
+    if (ImGui::InputDouble("##target", &percent, 0, 0, "%.3g %%"))
+        model.look.target_error_percent =
+            std::clamp(percent, target->info.lower, target->info.upper);
+    draw_prediction(error, seconds_now, model.look.target_error_percent);
+    edit_named(session_parameters(), "stop_at_target", model);
+    draw_budget(error, model.look);
+}
+
+// When a bias that stays is as large as the noise, further rendering gains little more.
+std::string loss_text(const ErrorEstimate& error, double floor_percent) {
+    if (error.valid && error.relrmse_percent <= floor_percent) return "a loss by now";
+    const ErrorEstimate::Prediction p = error.seconds_to(floor_percent);
+    return p.valid ? "a loss after " + duration_text(p.seconds) : "";
+}
+
+void draw_bias(const ErrorEstimate& error, const ViewerModel& model, const BiasLedger& bias,
+               bool& measure) {
+    const uint32_t unbiased_depth = RenderSettings().max_depth;
+    if (model.settings.max_depth >= unbiased_depth) {
+        text_row("Biased switches", "none is on");
+        return;
+    }
+    text_row("Biased switches", "max depth %u", model.settings.max_depth);
+    if (bias.lines) {
+        for (const BiasLine& line : *bias.lines) {
+            if (line.floor.significant) {
+                text_row(line.name, "removes %s", percent_text(line.floor.relrmse_percent).c_str());
+                const std::string loss = loss_text(error, line.floor.relrmse_percent);
+                if (!loss.empty()) text_row("", "%s", loss.c_str());
+            } else {
+                text_row(line.name, "below %s", percent_text(line.floor.hi95).c_str());
+            }
+        }
+    }
+    measure = ImGui::Button(bias.measuring ? "Measuring ..." : "Measure what it removes",
+                            ImVec2(-1, 0)) &&
+              !bias.measuring;
 }
 
 }  // namespace
 
-bool draw_accuracy_panel(const Snapshot* snapshot, ViewSettings& look) {
+void draw_accuracy_panel(const Snapshot* snapshot, ViewerModel& model, Edits& edits,
+                         const BiasLedger& bias, bool& measure) {
     static const ErrorEstimate kNone;
     const ErrorEstimate& error = snapshot ? snapshot->error : kNone;
+    const double seconds_now = snapshot ? snapshot->render_seconds : 0;
     begin_row("Relative error", "Root of the mean squared error relative to brightness (relRMSE).");
     if (error.valid) {
         ImGui::Text("%s", percent_text(error.relrmse_percent).c_str());
@@ -78,12 +149,26 @@ bool draw_accuracy_panel(const Snapshot* snapshot, ViewSettings& look) {
                  percent_text(error.hi95).c_str());
     } else {
         ImGui::TextDisabled("from 2 samples on");
+        text_row("95 % interval", "-");
     }
     draw_trust(error);
     const float height = 11 * ImGui::GetFontSize();
-    draw_error_plot(error, snapshot ? snapshot->render_seconds : 0, look.target_error_percent,
+    draw_error_plot(error, seconds_now, model.look.target_error_percent,
                     ImVec2(ImGui::GetContentRegionAvail().x, height));
-    return draw_target(error, look);
+    if (error.valid && error.octaves.size() > 1) {
+        ImGui::TextWrapped("This view converges as t^%.2f.", -0.5 * error.seconds_exponent);
+    } else {
+        ImGui::TextDisabled("How fast this view converges is not known yet.");
+    }
+    draw_target(error, seconds_now, model);
+    bool shows_blocks = model.look.aov == Aov::block_error;
+    begin_row("Where the error is",
+              "The estimated error of every 8 x 8 pixels, in place of the image.");
+    if (ImGui::Checkbox("##blocks", &shows_blocks)) {
+        model.look.aov = shows_blocks ? Aov::block_error : Aov::beauty;
+        edits.aov = true;
+    }
+    draw_bias(error, model, bias, measure);
 }
 
 }  // namespace talbot

@@ -1,5 +1,6 @@
 #include "ui/background_jobs.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <utility>
@@ -50,12 +51,45 @@ void BackgroundJobs::load_scene(const std::filesystem::path& file, SceneLoader l
           });
 }
 
+void BackgroundJobs::reread_scene(std::shared_ptr<GltfFile> file, const SceneChoice& choice,
+                                  const Environment& environment) {
+    start(true, "",
+          [file = std::move(file), choice, environment](std::stop_token stop,
+                                                        std::atomic<float>&) -> Outcome {
+              Result<RereadScene> reread = talbot::reread_scene(file, choice, environment, stop);
+              if (!reread) return reread.error();
+              return std::move(*reread);
+          });
+}
+
+bool BackgroundJobs::loading() const {
+    return std::any_of(jobs_.begin(), jobs_.end(), [](const std::unique_ptr<Job>& job) {
+        return job->load && !job->replaced;
+    });
+}
+
 void BackgroundJobs::load_environment(const std::filesystem::path& file) {
     start(true, "loading " + file.filename().string(),
           [file](std::stop_token, std::atomic<float>&) -> Outcome {
               Result<EnvironmentImage> image = talbot::load_environment(file);
               if (!image) return image.error();
               return std::make_shared<const EnvironmentImage>(std::move(*image));
+          });
+}
+
+void BackgroundJobs::retrace(std::shared_ptr<const Snapshot> snapshot, const NotedSample& sample) {
+    start(false, "tracing a path",
+          [snapshot = std::move(snapshot), sample, retracer = retracer_](
+              std::stop_token, std::atomic<float>&) -> Outcome {
+              return retracer->path(snapshot->scene, snapshot->camera, snapshot->settings, sample.x,
+                                    sample.y, sample.sample);
+          });
+}
+
+void BackgroundJobs::measure_bias(std::function<std::vector<BiasLine>()> measure) {
+    start(false, "measuring bias",
+          [measure = std::move(measure)](std::stop_token, std::atomic<float>&) -> Outcome {
+              return measure();
           });
 }
 
@@ -84,7 +118,7 @@ std::optional<BackgroundJobs::Outcome> BackgroundJobs::poll() {
 
 std::string BackgroundJobs::status() const {
     for (const std::unique_ptr<Job>& job : jobs_) {
-        if (job->replaced) continue;
+        if (job->replaced || job->title.empty()) continue;
         if (!job->load) return job->title;
         char percent[16];
         std::snprintf(percent, sizeof percent, " %.0f %%",

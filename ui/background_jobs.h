@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,7 +12,9 @@
 #include <vector>
 
 #include "core/film/tone_map.h"
+#include "core/session/retrace.h"
 #include "core/session/snapshot.h"
+#include "ui/panels.h"
 #include "ui/scene_loading.h"
 
 namespace talbot {
@@ -24,7 +27,8 @@ struct SavedFile {
 class BackgroundJobs {
   public:
     using Outcome =
-        std::variant<LoadedScene, std::shared_ptr<const EnvironmentImage>, SavedFile, Error>;
+        std::variant<LoadedScene, RereadScene, std::shared_ptr<const EnvironmentImage>, SavedFile,
+                     ReplayedPath, std::vector<BiasLine>, Error>;
 
     BackgroundJobs() = default;
     ~BackgroundJobs();  // cancels loads, finishes saves
@@ -32,7 +36,15 @@ class BackgroundJobs {
     BackgroundJobs& operator=(const BackgroundJobs&) = delete;
 
     void load_scene(const std::filesystem::path& file, SceneLoader loader);
+    // Replaces a load that is under way; shows no status.
+    void reread_scene(std::shared_ptr<GltfFile> file, const SceneChoice& choice,
+                      const Environment& environment);
     void load_environment(const std::filesystem::path& file);
+
+    // The path of one sample of what the snapshot shows.
+    void retrace(std::shared_ptr<const Snapshot> snapshot, const NotedSample& sample);
+
+    void measure_bias(std::function<std::vector<BiasLine>()> measure);
 
     // PNG through the display settings, EXR and the like scene-linear.
     void save(const std::filesystem::path& file, std::shared_ptr<const ImageRgba> image,
@@ -42,6 +54,8 @@ class BackgroundJobs {
     std::optional<Outcome> poll();
 
     bool busy() const { return !jobs_.empty(); }
+    // Whether a load or a rereading is under way.
+    bool loading() const;
 
     // "loading ToyCar.gltf 40 %", or empty.
     std::string status() const;
@@ -59,6 +73,7 @@ class BackgroundJobs {
     template <typename Work>
     void start(bool load, std::string title, Work work);
 
+    std::shared_ptr<Retracer> retracer_ = std::make_shared<Retracer>();
     std::vector<std::unique_ptr<Job>> jobs_;
 };
 

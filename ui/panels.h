@@ -5,10 +5,17 @@
 #include <optional>
 #include <string>
 
+#include "core/accuracy/bias_floor.h"
+#include "core/integrate/replay.h"
 #include "core/session/snapshot.h"
+#include "ui/inspector.h"
 #include "ui/viewer_model.h"
 
 namespace talbot {
+
+// Scenes, variants and animations of the file, and whether it has any to choose from.
+void draw_scene_panel(ViewerModel& model);
+bool has_choices(const ViewerModel& model);
 
 // Cameras of the file, pose, lens. True when the camera moved or changed.
 bool draw_camera_panel(ViewerModel& model);
@@ -26,12 +33,30 @@ bool draw_render_panel(ViewerModel& model, const Snapshot* snapshot, unsigned th
 // Pause, restart, sample limit; notes what changed in the edits.
 bool draw_session_panel(ViewerModel& model, Edits& edits, const Snapshot* snapshot);
 
-// Exposure, tone map, channel. True when something changed; never restarts a render.
-bool draw_display_panel(ViewerModel& model);
+// What is shown and how, and the pixel under the pointer. Notes in the edits when another variable
+// is asked for; never restarts a render.
+void draw_display_panel(ViewerModel& model, Edits& edits, const Snapshot* snapshot,
+                        const std::optional<PixelReading>& reading);
 
-// Error with its interval and trust, its course over the seconds, and the time to a target. True
-// when the target changed.
-bool draw_accuracy_panel(const Snapshot* snapshot, ViewSettings& look);
+// A biased switch that is on, and what it costs.
+struct BiasLine {
+    std::string name;  // of the switch, with its value
+    BiasFloor floor;
+};
+struct BiasLedger {
+    bool measuring = false;
+    std::optional<std::vector<BiasLine>> lines;  // empty before they were measured
+};
+
+// Error with its interval and trust, its course over the seconds, the time to a target and what a
+// time buys, and the biased switches. `measure` is set when their floors are asked for.
+void draw_accuracy_panel(const Snapshot* snapshot, ViewerModel& model, Edits& edits,
+                         const BiasLedger& bias, bool& measure);
+
+// Samples to look at. `chosen` is set to one whose path is asked for, `closed` when the path that is
+// on show is to go.
+void draw_samples_panel(const Snapshot* snapshot, const ReplayedPath* path,
+                        std::optional<NotedSample>& chosen, bool& closed);
 
 // What the file panel asks for.
 struct FileRequest {
