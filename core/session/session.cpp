@@ -450,20 +450,14 @@ class RenderSession::Impl {
     ErrorTracker tracker_;
     NonFiniteCount nonfinite_;
     uint64_t generation_ = 0;
-    uint64_t passes_ = 0;
-    uint64_t samples_ = 0;
-    uint64_t rays_ = 0;
-    uint64_t pass_limit_ = 0;
+    uint64_t passes_ = 0, samples_ = 0, rays_ = 0, pass_limit_ = 0;
     double render_seconds_ = 0;
     double resumed_seconds_ = 0;  // of render_seconds_, spent before this session
     std::shared_ptr<FilmState> pending_film_;
     double measured_rate_ = 0;
     float error_exposure_ = 0;
-    bool paused_ = false;
-    bool stop_reached_ = false;
-    bool restart_ = false;
-    uint32_t previews_done_ = 0;
-    uint32_t last_divisor_ = 0;
+    bool paused_ = false, stop_reached_ = false, restart_ = false;
+    uint32_t previews_done_ = 0, last_divisor_ = 0;
     ViewLayers layers_;
     NoteKeeper notes_;
     std::shared_ptr<const ImageRgba> shown_image_;
