@@ -8,7 +8,7 @@
 #include "core/film/film.h"
 #include "core/integrate/path.h"
 #include "core/integrate/tiers.h"
-#include "scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot {
 namespace {
