@@ -2,7 +2,7 @@
 // Talbot's media absorb and do not scatter, so transmittance is all there is.
 #include "app/hardcases/cases/shading_scene.h"
 #include "app/hardcases/cases/shading_setup.h"
-#include "core/integrate/material_eval.h"
+#include "core/scattering/medium.h"
 
 namespace talbot::hardcases {
 namespace {
