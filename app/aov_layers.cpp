@@ -9,7 +9,7 @@ namespace {
 
 AovImage traced_aov(Aov aov, const RenderScene& scene, const Snapshot& snapshot, WorkerPool& pool) {
     const CameraRays camera(snapshot.camera, scene.scene().origin(), snapshot.full_width,
-                            snapshot.full_height);
+                            snapshot.full_height, scene.scene().geometry().bounds);
     const uint64_t samples = std::clamp<uint64_t>(snapshot.passes, 1, kAovSamples);
     AovBuffer buffer(aov, snapshot.full_width, snapshot.full_height);
     for (uint64_t i = 0; i < samples; ++i) {

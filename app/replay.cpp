@@ -23,7 +23,8 @@ int run_replay(const Options& options) {
     }
     enter_worker_float_mode();
     const RenderScene scene(setup->scene);
-    const CameraRays camera(setup->camera, setup->scene->origin(), settings.width, settings.height);
+    const CameraRays camera(setup->camera, setup->scene->origin(), settings.width, settings.height,
+                            setup->scene->geometry().bounds);
     const std::string log = replay_sample(scene, camera, path_settings(settings), options.pixel->x,
                                           options.pixel->y, options.sample);
     std::fwrite(log.data(), 1, log.size(), stdout);

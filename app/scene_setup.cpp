@@ -17,32 +17,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-Result<Camera> choose_camera(const Options& options, const Scene& scene) {
-    if (options.orbit) return make_orbit_camera(*options.orbit);
-    const std::vector<Camera>& cameras = scene.cameras();
-    if (options.camera.empty()) {
-        if (!cameras.empty()) return cameras.front();
-        Vec3d lower(0);
-        Vec3d upper(0);
-        scene.world_bounds(lower, upper);
-        const Resolution size = options.size.value_or(kDefaultSize);
-        return frame_bounds(lower, upper, static_cast<double>(size.width) / size.height);
-    }
-    for (const Camera& camera : cameras) {
-        if (camera.name == options.camera) return camera;
-    }
-    char* end = nullptr;
-    const unsigned long index = std::strtoul(options.camera.c_str(), &end, 10);
-    if (*end == '\0' && index < cameras.size()) return cameras[index];
-    std::string known;
-    for (const Camera& camera : cameras) known += (known.empty() ? "'" : ", '") + camera.name + "'";
-    return Error{ErrorKind::usage, "", "--camera",
-                 "no camera '" + options.camera + "'; the file has " +
-                     (known.empty()
-                          ? std::string("none")
-                          : known + " (or an index below " + std::to_string(cameras.size()) + ")")};
-}
-
 }  // namespace
 
 std::filesystem::path scene_path(const Options& options) {
@@ -76,9 +50,33 @@ Result<Environment> parse_environment(const std::string& text, float rotation_de
     return environment;
 }
 
-Result<SceneSetup> set_up_scene(const Options& options, WorkerPool& pool) {
-    SceneSetup setup;
-    const auto start = std::chrono::steady_clock::now();
+Result<Camera> choose_camera(const Options& options, const Scene& scene) {
+    if (options.orbit) return make_orbit_camera(*options.orbit);
+    const std::vector<Camera>& cameras = scene.cameras();
+    if (options.camera.empty()) {
+        if (!cameras.empty()) return cameras.front();
+        Vec3d lower(0);
+        Vec3d upper(0);
+        scene.world_bounds(lower, upper);
+        const Resolution size = options.size.value_or(kDefaultSize);
+        return frame_bounds(lower, upper, static_cast<double>(size.width) / size.height);
+    }
+    for (const Camera& camera : cameras) {
+        if (camera.name == options.camera) return camera;
+    }
+    char* end = nullptr;
+    const unsigned long index = std::strtoul(options.camera.c_str(), &end, 10);
+    if (*end == '\0' && index < cameras.size()) return cameras[index];
+    std::string known;
+    for (const Camera& camera : cameras) known += (known.empty() ? "'" : ", '") + camera.name + "'";
+    return Error{ErrorKind::usage, "", "--camera",
+                 "no camera '" + options.camera + "'; the file has " +
+                     (known.empty()
+                          ? std::string("none")
+                          : known + " (or an index below " + std::to_string(cameras.size()) + ")")};
+}
+
+Result<SceneDesc> load_scene(const Options& options) {
     LoadOptions load;
     load.scene = options.scene_name;
     load.variant = options.variant;
@@ -98,6 +96,14 @@ Result<SceneSetup> set_up_scene(const Options& options, WorkerPool& pool) {
     } else {
         desc->environment.rotation_degrees = options.environment_rotation;
     }
+    return desc;
+}
+
+Result<SceneSetup> set_up_scene(const Options& options, WorkerPool& pool) {
+    SceneSetup setup;
+    const auto start = std::chrono::steady_clock::now();
+    Result<SceneDesc> desc = load_scene(options);
+    if (!desc) return desc.error();
     setup.load_seconds = seconds_since(start);
     const auto build_start = std::chrono::steady_clock::now();
     setup.scene = Scene::build(std::move(*desc), pool);

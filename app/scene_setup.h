@@ -24,6 +24,13 @@ struct SceneSetup {
 // The scene file that is meant: the argument, or the built-in default.
 std::filesystem::path scene_path(const Options& options);
 
+// Loads the file and applies --environment, without building anything. Reports warnings of the file
+// to the log.
+Result<SceneDesc> load_scene(const Options& options);
+
+// --camera and --orbit, or the file's first camera, or one that frames everything.
+Result<Camera> choose_camera(const Options& options, const Scene& scene);
+
 // Loads, builds, applies --environment, --camera, --orbit, --size. Reports warnings of the file to
 // the log.
 Result<SceneSetup> set_up_scene(const Options& options, WorkerPool& pool);

@@ -86,7 +86,7 @@ inline Film render_film(const std::shared_ptr<const Scene>& scene, const Camera&
                         uint64_t passes, WorkerPool& pool, int tier = -1,
                         NonFiniteCount* nonfinite = nullptr) {
     const RenderScene render_scene(scene);
-    const CameraRays rays(camera, scene->origin(), width, height);
+    const CameraRays rays(camera, scene->origin(), width, height, scene->geometry().bounds);
     const std::size_t index = tier >= 0 ? static_cast<std::size_t>(tier)
                                         : smallest_tier(analyse_effects(*scene, camera).active);
     Film film(width, height);

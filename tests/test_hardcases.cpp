@@ -162,5 +162,29 @@ TEST(HardCasesCommand, InterruptWritesWhatRan) {
     EXPECT_EQ(j["interrupted"], true);
 }
 
+TEST(HardCasesCommand, StressKeepsThePromisesOfABuiltInScene) {
+    const program::Folder folder("hardcases-stress");
+    const std::string json = folder / "stress.json";
+    const program::Outcome run =
+        program::run("hardcases --scene " TALBOT_SOURCE_DIR
+                     "/assets/scenes/spheres.gltf --size 32x32 --frames 2 --json " +
+                         json,
+                     240);
+    EXPECT_EQ(run.code, 0) << run.output;
+    const nlohmann::json j = program::read_json(json);
+    EXPECT_EQ(j["schema"], "talbot-stress/1");
+    EXPECT_TRUE(j["kept"]);
+    int moved = 0;
+    for (const nlohmann::json& row : j["transforms"]) {
+        const std::string name = row["transform"];
+        if (name.find("2^") != std::string::npos) EXPECT_EQ(row["same_bytes"], true) << name;
+        moved += name.find("moved") != std::string::npos ? 1 : 0;
+    }
+    EXPECT_EQ(moved, 6);
+    EXPECT_EQ(program::run("hardcases --scene /no/such.gltf").code, 3);
+    EXPECT_EQ(program::run("hardcases --scene x.gltf --only G01").code, 2);
+    EXPECT_EQ(program::run("hardcases --size 5x5").code, 2);
+}
+
 }  // namespace
 }  // namespace talbot::hardcases

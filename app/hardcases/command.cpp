@@ -4,14 +4,15 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
 
 #include "app/exit_code.h"
+#include "app/hardcases/interrupt.h"
 #include "app/hardcases/report.h"
 #include "app/hardcases/selection.h"
+#include "app/hardcases/stress.h"
 #include "core/base/log.h"
 #include "core/io/image_io.h"
 
@@ -25,20 +26,9 @@ struct HardcasesOptions {
     std::vector<std::string> only;
     std::string json, html;
     RunSettings settings;
+    std::string scene;              // stress mode
+    std::vector<std::string> rest;  // render options of stress mode
 };
-
-volatile std::sig_atomic_t interrupted = 0;
-
-void on_signal(int) {
-    interrupted = 1;
-}
-
-void catch_signals() {
-    struct sigaction action {};
-    action.sa_handler = on_signal;
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
-}
 
 Error usage(const std::string& what) {
     return {ErrorKind::usage, "", "hardcases", what};
@@ -59,6 +49,11 @@ Result<std::optional<HardcasesOptions>> parse(std::span<const std::string> args)
     app.add_option("--threads", o.settings.threads, "of the workers (all cores)")
         ->check(CLI::Range(0u, 1024u));
     app.add_option("--seed", o.settings.seed, "of the cases' random numbers (0)");
+    app.add_option(
+        "--scene", o.scene,
+        "stress mode: this scene moved, scaled, turned and mirrored, with the options of "
+        "a render (--size, --frames, --environment, --camera, ...)");
+    app.allow_extras();
     app.footer("Exit code 1 when a P0 row fails or is blind.");
     try {
         app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
@@ -70,6 +65,11 @@ Result<std::optional<HardcasesOptions>> parse(std::span<const std::string> args)
         std::replace(what.begin(), what.end(), '\n', ' ');
         return usage(what + "; see talbot hardcases --help");
     }
+    o.rest = app.remaining();
+    if (o.scene.empty() && !o.rest.empty())
+        return usage("'" + o.rest.front() + "' is not known; see talbot hardcases --help");
+    if (!o.scene.empty() && (!o.only.empty() || !o.html.empty()))
+        return usage("--scene goes with neither --only nor --html");
     if (full) o.effort = Effort::full;
     if (!o.json.empty() && o.json == o.html)
         return usage("--json and --html name one file; give each its own");
@@ -119,6 +119,48 @@ class ProgressLine {
     bool active_;
 };
 
+// The words of stress mode that a render knows, too.
+Result<Options> render_options(const HardcasesOptions& options) {
+    std::vector<std::string> words{"talbot", options.scene};
+    words.insert(words.end(), options.rest.begin(), options.rest.end());
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    Result<std::optional<Options>> parsed =
+        parse_options(static_cast<int>(argv.size()), argv.data());
+    if (!parsed) return parsed.error();
+    if (!*parsed) return usage("see talbot hardcases --help");
+    Options render = std::move(**parsed);
+    if (render.time_seconds || render.target_error_percent || !render.outputs.empty())
+        return usage("stress mode renders --frames N and writes --json only");
+    render.threads = options.settings.threads;
+    render.render.seed = options.settings.seed;
+    return render;
+}
+
+Result<int> stress(const HardcasesOptions& options) {
+    const Result<Options> render = render_options(options);
+    if (!render) return render.error();
+    set_log_level(render->log_level);
+    std::FILE* table = options.json == "-" ? nullptr : stdout;
+    if (table) print_stress_columns(table);
+    catch_interrupts();
+    const Result<StressReport> report =
+        run_stress(*render, options.effort, [table](const StressRow& row) {
+            if (!table) return;
+            print_stress_row(row, table);
+            std::fflush(table);
+        });
+    if (!report) return report.error();
+    if (table) print_stress_footer(*report, table);
+    if (options.json == "-") {
+        std::fputs(stress_json(*report).c_str(), stdout);
+    } else if (!options.json.empty()) {
+        if (Status s = write_text(options.json, stress_json(*report)); !s) return s.error();
+    }
+    if (report->interrupted) return kExitInterrupted;
+    return report->kept() ? kExitDone : kExitFailed;
+}
+
 Result<int> run(const HardcasesOptions& options) {
     Result<Selection> selection = select_rows(options.only, all_cases(), all_not_simulated());
     if (!selection) return selection.error();
@@ -138,7 +180,7 @@ Result<int> run(const HardcasesOptions& options) {
     }
     ProgressLine progress(selection->cases.size());
     CaseWatch watch;
-    watch.interrupted = [] { return interrupted != 0; };
+    watch.interrupted = is_interrupted;
     watch.waiting = [&](std::size_t i, const HardCase& row, double s) { progress.show(i, row, s); };
     watch.done = [&](const CaseRow& row) {
         progress.wipe();
@@ -146,7 +188,7 @@ Result<int> run(const HardcasesOptions& options) {
         print_row(row, title_width, table);
         std::fflush(table);
     };
-    catch_signals();
+    catch_interrupts();
     report.outcome = run_cases(selection->cases, options.effort, watch);
     progress.wipe();
     if (table) print_footer(report, table);
@@ -166,7 +208,9 @@ Result<int> run(const HardcasesOptions& options) {
 int run_hardcases(std::span<const std::string> args) {
     const Result<std::optional<HardcasesOptions>> options = parse(args);
     if (options && !*options) return kExitDone;
-    const Result<int> code = options ? run(**options) : Result<int>(options.error());
+    const Result<int> code = !options                    ? Result<int>(options.error())
+                             : (*options)->scene.empty() ? run(**options)
+                                                         : stress(**options);
     if (code) return *code;
     log_error(code.error().line());
     return exit_code(code.error());

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "core/geometry/accel.h"
 #include "core/math/ray.h"
 #include "core/math/vec.h"
 
@@ -56,9 +57,12 @@ void look_at(Camera& camera, const Vec3d& eye, const Vec3d& target, const Vec3d&
 // A camera made ready for one image size in re-centred coordinates.
 class CameraRays {
   public:
-    CameraRays(const Camera& camera, const Vec3d& scene_origin, uint32_t width, uint32_t height);
+    // `bounds`, re-centred, of all that rays can hit: rays of a far camera begin near it, so that their rounding is that of the
+    // scene's coordinates, not of the camera's. Empty: rays begin at the camera.
+    CameraRays(const Camera& camera, const Vec3d& scene_origin, uint32_t width, uint32_t height, const Bounds& bounds = {});
 
-    // The ray through image position (px, py), pixels from the top left corner; lens in [0,1)^2. d has unit length.
+    // The ray through image position (px, py), pixels from the top left corner; lens in [0,1)^2. d has unit length. Everything is
+    // calculated in double and rounded once.
     Ray ray(float px, float py, const Vec2f& lens) const;
 
     bool has_lens() const { return aperture_radius_ > 0; }
@@ -68,8 +72,10 @@ class CameraRays {
 
   private:
     CameraKind kind_;
-    Vec3f position_;
-    Mat3f axes_;          // columns: right, up, backward
+    Vec3d position_;
+    Mat3d axes_;          // columns: right, up, backward
+    Vec3d center_{0};     // of a sphere round the scene
+    double reach_;        // its diameter
     float width_;
     float height_;
     double scale_x_;      // half-extents of the view window at distance 1 (perspective) or in metres (orthographic)

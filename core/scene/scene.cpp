@@ -49,23 +49,47 @@ BoundsD mesh_bounds(const Mesh& mesh) {
     return box;
 }
 
+// Largest side of a box after the linear part of a transform: it does not depend on where things
+// are.
+double side_after(const BoundsD& box, const Mat4d& m) {
+    const Vec3d sides = box.upper - box.lower;
+    Vec3d after(0);
+    for (int axis = 0; axis < 3; ++axis) after += glm::abs(Vec3d(m[axis])) * sides[axis];
+    return max_component(after);
+}
+
 // The component-wise lower median of where things are: it moves with the scene and ignores a few
-// far or huge things.
+// far or huge things. Rounded to a step from the things' own sizes, so that it moves exactly when
+// the scene is moved by whole steps: then re-centred coordinates keep every bit. Neither rounding
+// has its ties where coordinates and sizes of models usually lie.
 Vec3d choose_origin(const SceneDesc& desc, const std::vector<BoundsD>& boxes) {
+    constexpr double kTie = 0.381966;
+    constexpr int kStepsPerSide = 6;  // as a power of two
     std::vector<Vec3d> centers;
+    std::vector<double> sides;
     for (const MeshInstance& instance : desc.instances) {
-        if (boxes[instance.mesh].is_empty()) continue;
-        centers.push_back(
-            transform_point(instance.world_from_object, boxes[instance.mesh].center()));
+        const BoundsD& box = boxes[instance.mesh];
+        if (box.is_empty()) continue;
+        centers.push_back(transform_point(instance.world_from_object, box.center()));
+        sides.push_back(side_after(box, instance.world_from_object));
     }
-    for (const Sphere& sphere : desc.spheres) centers.push_back(sphere.center);
+    for (const Sphere& sphere : desc.spheres) {
+        centers.push_back(sphere.center);
+        sides.push_back(2 * sphere.radius);
+    }
     Vec3d origin(0);
     if (centers.empty()) return origin;
+    const auto middle = static_cast<std::ptrdiff_t>((centers.size() - 1) / 2);
+    std::nth_element(sides.begin(), sides.begin() + middle, sides.end());
+    int exponent = 0;
+    const double mantissa = std::frexp(sides[static_cast<std::size_t>(middle)], &exponent);
+    const double step = std::ldexp(mantissa > 0 ? 1.0 : 0.0,
+                                   exponent - kStepsPerSide + (mantissa > 0.5 + kTie / 2 ? 1 : 0));
     for (int axis = 0; axis < 3; ++axis) {
-        const auto middle = centers.begin() + static_cast<std::ptrdiff_t>((centers.size() - 1) / 2);
-        std::nth_element(centers.begin(), middle, centers.end(),
+        std::nth_element(centers.begin(), centers.begin() + middle, centers.end(),
                          [axis](const Vec3d& a, const Vec3d& b) { return a[axis] < b[axis]; });
-        origin[axis] = (*middle)[axis];
+        const double center = centers[static_cast<std::size_t>(middle)][axis];
+        origin[axis] = step > 0 ? std::floor(center / step + kTie) * step : center;
     }
     return origin;
 }

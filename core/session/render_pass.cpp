@@ -7,7 +7,9 @@ namespace talbot {
 
 bool render_pass(const RenderPass& pass, Film& film, WorkerPool& pool, std::stop_source& stop,
                  const std::function<bool()>& out_of_time, TileCounts& counts) {
-    const CameraRays camera(pass.camera, pass.scene.scene().origin(), film.width(), film.height());
+    const Scene& scene = pass.scene.scene();
+    const CameraRays camera(pass.camera, scene.origin(), film.width(), film.height(),
+                            scene.geometry().bounds);
     const PathSettings settings = path_settings(pass.settings);
     const TileKernel kernel = tile_kernel(pass.tier);
     const uint32_t size = pass.settings.tile_size;

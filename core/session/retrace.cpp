@@ -12,7 +12,8 @@ ReplayedPath Retracer::path(const std::shared_ptr<const Scene>& scene, const Cam
     enter_worker_float_mode();
     if (!scene_ || scene_->shared_scene() != scene)
         scene_ = std::make_shared<const RenderScene>(scene, scene_.get());
-    const CameraRays rays(camera, scene->origin(), settings.width, settings.height);
+    const CameraRays rays(camera, scene->origin(), settings.width, settings.height,
+                          scene->geometry().bounds);
     return replay_path(*scene_, rays, path_settings(settings), x, y, sample);
 }
 

@@ -12,7 +12,8 @@ namespace {
 constexpr uint32_t kMostAovSamples = 64;
 
 CameraRays rays_of(const ViewLayers::View& view, uint32_t width, uint32_t height) {
-    return CameraRays(view.camera, view.scene.scene().origin(), width, height);
+    const Scene& scene = view.scene.scene();
+    return CameraRays(view.camera, scene.origin(), width, height, scene.geometry().bounds);
 }
 
 }  // namespace
