@@ -27,8 +27,7 @@ PathSample PathSorter::trace(uint32_t x, uint32_t y, uint64_t sample_index) {
     sorted_ = Rgb(0);
     sharp_ = broad_ = 0;
     last_sharp_ = false;
-    const PathSample sample =
-        observe_path(scene_, camera_, settings_, x, y, sample_index, *this);
+    const PathSample sample = observe_path(scene_, camera_, settings_, x, y, sample_index, *this);
     // The end of the path has no vertex.
     const uint32_t source = found_ ? scene_.scene().object_of(hit_.id) : kEnvironmentSource;
     add(kind(), source, sample.Li - sorted_);
@@ -57,13 +56,15 @@ void PathSorter::vertex(uint32_t bounce, const SurfaceInteraction& si, const Mat
             // The light that was drawn, once more.
             const Sampler sampler(settings_.sampler, settings_.seed, x_, y_, sample_);
             const Bounce numbers = sampler.bounce(bounce);
-            const Vec3f n = is_lit_through(params) ? Vec3f(0)
-                                                   : (si.front ? 1.0f : -1.0f) * si.n_geometric;
+            const Vec3f n =
+                is_lit_through(params) ? Vec3f(0) : (si.front ? 1.0f : -1.0f) * si.n_geometric;
             const std::optional<LightSample> light = scene_.lights().sample(
                 scene_.scene(), si.p, n, numbers.light_choice(), numbers.light());
-            const uint32_t source = !light || light->delta ? kPunctualSource
-                                    : light->infinite      ? kEnvironmentSource
-                                                           : scene_.scene().object_of(light->id);
+            // Without one the rest is rounding.
+            const uint32_t source = !light            ? scene_.scene().object_of(si.id)
+                                    : light->delta    ? kPunctualSource
+                                    : light->infinite ? kEnvironmentSource
+                                                      : scene_.scene().object_of(light->id);
             add(broad_ == 0 ? PathKind::direct : PathKind::indirect, source, sampled);
         }
     }
