@@ -30,7 +30,7 @@ class PathObserver {
 };
 
 PathSample observe_path(const RenderScene& scene, const CameraRays& camera,
-                        const PathSettings& settings, uint32_t x, uint32_t y,
-                        uint64_t sample_index, PathObserver& observer);
+                        const PathSettings& settings, uint32_t x, uint32_t y, uint64_t sample_index,
+                        PathObserver& observer);
 
 }  // namespace talbot
