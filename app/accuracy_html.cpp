@@ -78,6 +78,10 @@ report.results.forEach((r,i)=>{const c=r.curve.filter(p=>p.lo95>0&&p.seconds>0),
    figure(p.seconds)+' s\nerror '+figure(p.relrmse_percent)+' % ('+figure(p.lo95)+' to '+figure(p.hi95)+
    ')';tip.style.display='block';tip.style.left=e.clientX+12+'px';tip.style.top=e.clientY+12+'px';});
   dot.addEventListener('mouseleave',()=>{tip.style.display='none';});});});}
+if(report.why){const body=document.querySelector('#why tbody');document.getElementById('why').hidden=false;
+ [report.why.kinds,report.why.lights].forEach(list=>list.forEach(s=>{const row=body.insertRow();
+  [s.name,(100*s.error_share).toFixed(1)+' %',(100*s.light_share).toFixed(1)+' %',
+   s.help?s.help+': '+figure(s.help_factor)+'x':''].forEach(t=>{row.insertCell().textContent=t;});}));}
 const left=document.getElementById('left'),right=document.getElementById('right');
 const chooser=(select,pick)=>{pictures.images.forEach((p,i)=>select.add(new Option(p.name,i)));
  select.selectedIndex=pick;};
@@ -227,6 +231,9 @@ Result<std::string> report_html(const AccuracyReport& report) {
     html +=
         "<h2>Relative error against seconds, with 95 % bands</h2>"
         "<svg id=\"curves\" viewBox=\"0 0 1000 520\" width=\"100%\"></svg><div id=\"tip\"></div>";
+    html +=
+        "<table id=\"why\" hidden><thead><tr><th>what the error is made of</th><th>error</th>"
+        "<th>light</th><th>help</th></tr></thead><tbody></tbody></table>";
     html +=
         "<h2>Pictures</h2><p><select id=\"a\"></select> | <select id=\"b\"></select> "
         "<input id=\"range\" type=\"range\" min=\"0\" max=\"100\" value=\"50\" "

@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -87,7 +88,11 @@ ordered_json bias_json(const std::vector<BiasEntry>& ledger) {
                         {"hi95", entry.floor.hi95},
                         {"significant", entry.floor.significant},
                         {"block_p_value", entry.floor.block_p_value},
-                        {"brightness_percent", entry.floor.brightness_percent}});
+                        {"brightness_percent", entry.floor.brightness_percent},
+                        {"loss_after_seconds",
+                         entry.loss_after_seconds && std::isfinite(*entry.loss_after_seconds)
+                             ? ordered_json(*entry.loss_after_seconds)
+                             : ordered_json()}});
     }
     return json;
 }
@@ -136,6 +141,7 @@ std::string run_record_json(const RunRecord& record) {
                       {"lo95", s.error.lo95},
                       {"hi95", s.error.hi95},
                       {"exponent", s.error.exponent},
+                      {"exposure_ev", s.error.exposure_ev},
                       {"trust", trust_name(s.error.trust)},
                       {"why", s.error.why}};
     } else {

@@ -3,27 +3,25 @@
 #include <chrono>
 
 #include "core/base/check.h"
-#include "core/integrate/path.h"
+#include "core/integrate/path_observer.h"
 #include "core/integrate/tiers.h"
 
 namespace talbot {
 namespace {
 
 // What a path has brought when its light has been scattered a certain number of times.
-struct LightParts {
-    static constexpr bool kActive = true;
-    static constexpr bool kTampers = false;
+struct LightParts final : PathObserver {
     Rgb emission{0};
     Rgb until_second{0};  // emission and direct light
     uint32_t met = 0;     // ends of rays, the environment included
     uint32_t surfaces = 0;
 
-    void ray(uint32_t, const Ray&, bool found, const Hit&, const PathState&) {
+    void ray(uint32_t, const Ray&, bool found, const Hit&, const PathState&) override {
         surfaces += found ? 1 : 0;
     }
     void vertex(uint32_t, const SurfaceInteraction&, const Material&, const ShadingParams&,
-                const std::optional<BsdfSample>&, const PathState&) {}
-    void seen(uint32_t bounce, const PathState& path) {
+                const std::optional<BsdfSample>&, const PathState&) override {}
+    void seen(uint32_t bounce, const PathState& path) override {
         ++met;
         if (bounce == 0) emission = path.Li;
         if (bounce == 1) until_second = path.Li;
@@ -35,8 +33,7 @@ Rgb path_value(Aov aov, const RenderScene& scene, const CameraRays& camera,
     using Clock = std::chrono::steady_clock;
     LightParts parts;
     const Clock::time_point start = Clock::now();
-    const PathSample sample =
-        trace_path<kFullTier>(scene, camera, settings, x, y, sample_index, parts);
+    const PathSample sample = observe_path(scene, camera, settings, x, y, sample_index, parts);
     const std::chrono::duration<float, std::micro> spent = Clock::now() - start;
     // A path that met nothing twice has no indirect light.
     const Rgb two = parts.met > 1 ? parts.until_second : sample.Li;

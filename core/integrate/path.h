@@ -44,8 +44,6 @@ enum class PathValue : uint8_t {
     bsdf_pdf,
     bsdf_weight,
     bsdf_sample_pdf,
-    survival,
-    camera_direction,
 };
 
 template <typename Recorder, typename T>
@@ -176,7 +174,6 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
     const Vec2f offset = sample_pixel_filter(settings.filter, sampler.pair(Purpose::pixel));
     const Vec2f lens = camera.has_lens() ? sampler.pair(Purpose::lens) : Vec2f(0);
     Ray ray = camera.ray(static_cast<float>(x) + offset.x, static_cast<float>(y) + offset.y, lens);
-    show_value(recorder, PathValue::camera_direction, ray.d);
     PathSample result;
     PathState path;
 
@@ -266,8 +263,7 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
 
         // Russian roulette on what the path can still bring.
         if (settings.russian_roulette && bounce >= kRouletteStart) {
-            float q = std::max(max_component(path.beta) * path.eta_scale, kMinSurvival);
-            show_value(recorder, PathValue::survival, q);
+            const float q = std::max(max_component(path.beta) * path.eta_scale, kMinSurvival);
             if (q < 1) {
                 if (numbers.roulette() >= q) break;
                 path.beta /= q;

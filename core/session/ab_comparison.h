@@ -54,14 +54,15 @@ class AbComparison {
     AbComparison(const AbComparison&) = delete;
     AbComparison& operator=(const AbComparison&) = delete;
 
-    // Begins anew, in the background, with nothing kept of an earlier comparison.
+    // Begins anew, in the background, with nothing kept of an earlier comparison. Where both settings
+    // have one seed, both sides draw the same random numbers, so a difference shows sooner.
     void start(std::shared_ptr<const Scene> scene, const Camera& camera, const AbConfig& a,
                const AbConfig& b, const AbPolicy& policy);
 
     // The newest state; null until both sides have their first whole pass.
     std::shared_ptr<const AbSnapshot> latest() const;
 
-    // Ends it within a tile's row; latest() stays.
+    // Asks it to end, within a sample of every thread; latest() stays.
     void stop();
 
     // Waits until it is finished, or `seconds` are over (negative: no limit); whether it is.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <deque>
 #include <future>
 #include <utility>
@@ -34,7 +33,8 @@ class RenderSession::Impl {
 
     uint64_t submit(Change change) {
         const std::lock_guard lock(mutex_);
-        const bool harmless = std::holds_alternative<SetPassLimit>(change);
+        const bool harmless = std::holds_alternative<SetPassLimit>(change) ||
+                              std::holds_alternative<SetErrorExposure>(change);
         changes_.push_back(std::move(change));
         if (work_is_interruptible_ && !harmless) work_stop_.request_stop();
         wake_.notify_all();
@@ -147,19 +147,16 @@ class RenderSession::Impl {
     }
 
     ScheduleState schedule_state() const {
-        ScheduleState state;
-        state.has_scene = scene_ != nullptr;
-        state.interactive = policy_.interactive;
-        state.paused = paused_;
-        state.passes = passes_;
-        state.pass_limit = pass_limit_;
-        state.stop_reached = stop_reached_;
-        state.previews_done = previews_done_;
-        state.last_preview_divisor = last_divisor_;
-        state.samples_per_second = measured_rate_;
-        state.preview_seconds = policy_.preview_seconds;
-        state.pixels = uint64_t{settings_.width} * settings_.height;
-        return state;
+        return {.has_scene = scene_ != nullptr,
+                .interactive = policy_.interactive,
+                .paused = paused_,
+                .passes = passes_,
+                .pass_limit = pass_limit_, .stop_reached = stop_reached_,
+                .previews_done = previews_done_,
+                .last_preview_divisor = last_divisor_,
+                .samples_per_second = measured_rate_,
+                .preview_seconds = policy_.preview_seconds,
+                .pixels = uint64_t{settings_.width} * settings_.height};
     }
 
     void apply(SetScene& change) {
@@ -200,6 +197,7 @@ class RenderSession::Impl {
     void apply(SetPassLimit& change) { pass_limit_ = change.passes; }
     void apply(SetSelection& change) { layers_.select(change.object); }
     void apply(SetAov& change) { layers_.show(change.aov); }
+    void apply(SetErrorExposure& change) { error_exposure_ = change.ev; }
     void apply(SetFilm& change) { pending_film_ = std::move(change.state); }
     void apply(Restart&) { restart_ = true; }
 
@@ -228,14 +226,14 @@ class RenderSession::Impl {
             previews_done_ = 0;
             last_divisor_ = 0;
             layers_.restart();
-            tracker_.reset(0, settings_.first_sample);
+            tracker_.reset(error_exposure_, settings_.first_sample);
             resumed_seconds_ = 0;
             shown_image_.reset();
             take_pending_film();
         } else if (scene_ && shown_image_) {
-            if (layers_are_wanted())
-                layers_.glimpse({*scene_, camera_, settings_, *pool_}, measured_rate_,
-                                policy_.preview_seconds);
+            tracker_.set_exposure(error_exposure_, film_.width(), pool_.get());
+            if (passes_ > 0 && target_met()) stop_reached_ = true;
+            if (layers_are_wanted()) layers_.glimpse(view(), measured_rate_, policy_.preview_seconds);
             publish(shown_image_, shown_is_preview_);
         }
     }
@@ -253,14 +251,15 @@ class RenderSession::Impl {
         resumed_seconds_ = state->render_seconds;
         nonfinite_ = state->nonfinite;
         tracker_.restore(std::move(state->error));
+        tracker_.set_exposure(error_exposure_, film_.width(), pool_.get());
         if (passes_ == 0) return;
         stop_reached_ = target_met();
-        publish_film();
+        publish(film_, false);
     }
 
-    void publish_film() {
-        publish(std::make_shared<const ImageRgba>(film_.image(settings_.transparent_background)),
-                false);
+    void publish(const Film& film, bool preview) {
+        publish(std::make_shared<const ImageRgba>(film.image(settings_.transparent_background)),
+                preview);
     }
 
     bool target_met() const {
@@ -305,9 +304,8 @@ class RenderSession::Impl {
         if (!complete) return;
         ++previews_done_;
         last_divisor_ = divisor;
-        layers_.preview({*scene_, camera_, settings_, *pool_}, width, height);
-        publish(std::make_shared<const ImageRgba>(film.image(settings_.transparent_background)),
-                true);
+        layers_.preview(view(), width, height);
+        publish(film, true);
     }
 
     // Clearing the film waits until it is needed, for a preview should not wait for it.
@@ -354,12 +352,13 @@ class RenderSession::Impl {
             seconds_since(last_publish_) < 0.5)
             return;
         update_layers(work_stop_.get_token());
-        publish_film();
+        publish(film_, false);
     }
 
+    ViewLayers::View view() { return {*scene_, camera_, settings_, *pool_}; }
     bool layers_are_wanted() const { return shown_image_ && layers_.are_missing(); }
     void update_layers(const std::stop_token& stop) {
-        layers_.update({*scene_, camera_, settings_, *pool_}, stop);
+        layers_.update(view(), stop);
         if (passes_ > 0) layers_.update_from(film_, tracker_.block_errors());
     }
 
@@ -406,7 +405,7 @@ class RenderSession::Impl {
     void finish() {
         if (scene_ && samples_ > 0) {
             passes_ = film_.min_samples();
-            publish_film();
+            publish(film_, false);
         }
         std::vector<FilmRequest> requests;
         {
@@ -453,6 +452,7 @@ class RenderSession::Impl {
     double resumed_seconds_ = 0;  // of render_seconds_, spent before this session
     std::shared_ptr<FilmState> pending_film_;
     double measured_rate_ = 0;
+    float error_exposure_ = 0;
     bool paused_ = false;
     bool stop_reached_ = false;
     bool restart_ = false;
