@@ -3,9 +3,9 @@
 #include <sys/resource.h>
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "app/machine.h"
 #include "app/outlier_record.h"
 #include "core/geometry/accel.h"
 
@@ -13,14 +13,6 @@ namespace talbot {
 namespace {
 
 using nlohmann::ordered_json;
-
-std::string cpu_name() {
-    std::ifstream info("/proc/cpuinfo");
-    for (std::string line; std::getline(info, line);) {
-        if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
-    }
-    return "unknown";
-}
 
 double cpu_seconds(const rusage& usage) {
     const auto seconds = [](const timeval& t) {
@@ -169,8 +161,11 @@ std::string run_record_json(const RunRecord& record) {
                   {"spheres", accel.spheres},     {"nodes", accel.nodes},
                   {"bytes", accel.bytes},         {"dropped_triangles", accel.dropped_triangles}};
     j["warnings"] = s.scene->warnings();
-    j["machine"] = {
-        {"cpu", cpu_name()}, {"compiler", "g++ " __VERSION__}, {"flags", TALBOT_BUILD_FLAGS}};
+    const Machine machine = this_machine();
+    j["machine"] = {{"cpu", machine.cpu},
+                    {"isa", machine.isa},
+                    {"compiler", machine.compiler},
+                    {"flags", machine.flags}};
     return j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "core/session/ab_comparison.h"
-#include "tests/scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot {
 namespace {

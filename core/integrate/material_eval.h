@@ -97,26 +97,4 @@ void apply_normal_map(const Scene& scene, const Material& material, SurfaceInter
     }
 }
 
-// Absorption per metre that gives white light the material's attenuation colour after its
-// attenuation distance.
-inline Rgb absorption(const Material& material) {
-    Rgb sigma(0);
-    if (!is_finite(material.attenuation_distance) || !(material.attenuation_distance > 0))
-        return sigma;
-    for (int c = 0; c < 3; ++c) {
-        const float color = clamp01(material.attenuation_color[c]);
-        sigma[c] = color > 0 ? -std::log(color) / material.attenuation_distance : kInfinity;
-    }
-    return sigma;
-}
-
-// Beer-Lambert transmittance over a distance >= 0; a channel without absorption keeps 1 exactly.
-inline Rgb transmittance(const Rgb& sigma, float distance) {
-    Rgb t(1);
-    for (int c = 0; c < 3; ++c) {
-        if (sigma[c] > 0) t[c] = distance > 0 ? std::exp(-sigma[c] * distance) : 1.0f;
-    }
-    return t;
-}
-
 }  // namespace talbot

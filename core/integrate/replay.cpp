@@ -53,6 +53,18 @@ struct StepRecorder final : PathObserver {
                scene->scene().objects()[object].name.c_str());
     }
 
+    void in_medium(uint32_t, const Vec3f& p, const PathState& path) override {
+        append(log, "  but scatters before that in the medium at (%.9g, %.9g, %.9g)  pdf %.6g\n",
+               wide(p.x), wide(p.y), wide(p.z), wide(path.bsdf_pdf));
+        const uint32_t material = path.media.top(scene->scene().materials());
+        // A medium is entered through some surface: there is a vertex.
+        const uint32_t object = replayed.vertices.back().object;
+        if (!replayed.escapes) replayed.vertices.pop_back();
+        replayed.escapes = false;
+        replayed.vertices.push_back(
+            {Vec3d(p) + scene->scene().origin(), material, object, path.bsdf_pdf});
+    }
+
     void vertex(uint32_t bounce, const SurfaceInteraction& si, const Material& material,
                 const ShadingParams& params, const std::optional<BsdfSample>& scattered,
                 const PathState& path) override {

@@ -33,6 +33,9 @@ class GlassLayer {
         full_fresnel_ = m.ior == 0;
         const float ior = full_fresnel_ ? 1.0f : m.ior;
         eta_ = outside || thin ? ior : 1 / ior;
+        // The tables know indices from 1 on: a thinner inside is met as from within a denser one.
+        const float dense = ior < 1 ? 1 / ior : ior;
+        const bool from_thin = outside == !(ior < 1);
         plain_ = specular == 1 && specular_color == Rgb(1);
         if (!plain_) {
             f0_ = normal_reflectance(m.ior);
@@ -57,12 +60,12 @@ class GlassLayer {
             slant_o_ = ggx_.slant(wo);
             const AnisotropicAlbedo albedo(across, m.anisotropy);
             weight_ /= straight_ ? albedo(wo).e()
-                                 : glass_albedo(wo.z, albedo.round_alpha(wo), ior, outside);
+                                 : glass_albedo(wo.z, albedo.round_alpha(wo), dense, from_thin);
         } else {
             ggx_ = Ggx(m.alpha);
             slant_o_ = ggx_.slant(wo);
             weight_ /= straight_ ? AlbedoRow(m.alpha)(wo.z).e()
-                                 : glass_albedo(wo.z, m.alpha, ior, outside);
+                                 : glass_albedo(wo.z, m.alpha, dense, from_thin);
         }
     }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include "core/math/robust.h"
 
@@ -71,6 +72,10 @@ inline uint32_t nearest_texel(float u, uint32_t size) {
 
 }  // namespace
 
+float decode_byte(uint8_t byte, TextureEncoding encoding) {
+    return encoding == TextureEncoding::srgb ? kDecode.srgb[byte] : kDecode.linear[byte];
+}
+
 Vec4f eval_texture(const Texture& texture, const Vec2f& uv, TextureEncoding encoding) {
     const Image8& image = *texture.image;
     const float* color =
@@ -90,6 +95,17 @@ Vec4f eval_texture(const Texture& texture, const Vec2f& uv, TextureEncoding enco
     }
     const TexelPair x = texel_pair(u, image.width, texture.wrap_u);
     const TexelPair y = texel_pair(v, image.height, texture.wrap_v);
+    // Weights that sum to 1 only up to rounding would leave traces in an even area.
+    const auto bits = [&](uint32_t column, uint32_t row) {
+        uint32_t t = 0;
+        std::memcpy(&t, texels + 4 * (static_cast<size_t>(row) * image.width + column), 4);
+        return t;
+    };
+    const uint32_t first = bits(x.first, y.first);
+    if (first == bits(x.second, y.first) && first == bits(x.first, y.second) &&
+        first == bits(x.second, y.second)) {
+        return decode(x.first, y.first);
+    }
     const Vec4f top =
         decode(x.first, y.first) * (1 - x.weight) + decode(x.second, y.first) * x.weight;
     const Vec4f bottom =

@@ -34,6 +34,9 @@ struct Texture {
 // How colour channels are decoded: the alpha channel is linear in both.
 enum class TextureEncoding : uint8_t { linear, srgb };
 
+// A stored byte as linear light.
+float decode_byte(uint8_t byte, TextureEncoding encoding);
+
 // Filtered lookup at uv (V down, any finite value; non-finite gives texel 0,0). Channels in 0..1.
 Vec4f eval_texture(const Texture& texture, const Vec2f& uv, TextureEncoding encoding);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <deque>
 #include <future>
 #include <utility>
@@ -147,16 +148,19 @@ class RenderSession::Impl {
     }
 
     ScheduleState schedule_state() const {
-        return {.has_scene = scene_ != nullptr,
-                .interactive = policy_.interactive,
-                .paused = paused_,
-                .passes = passes_,
-                .pass_limit = pass_limit_, .stop_reached = stop_reached_,
-                .previews_done = previews_done_,
-                .last_preview_divisor = last_divisor_,
-                .samples_per_second = measured_rate_,
-                .preview_seconds = policy_.preview_seconds,
-                .pixels = uint64_t{settings_.width} * settings_.height};
+        ScheduleState state;
+        state.has_scene = scene_ != nullptr;
+        state.interactive = policy_.interactive;
+        state.paused = paused_;
+        state.passes = passes_;
+        state.pass_limit = pass_limit_;
+        state.stop_reached = stop_reached_;
+        state.previews_done = previews_done_;
+        state.last_preview_divisor = last_divisor_;
+        state.samples_per_second = measured_rate_;
+        state.preview_seconds = policy_.preview_seconds;
+        state.pixels = uint64_t{settings_.width} * settings_.height;
+        return state;
     }
 
     void apply(SetScene& change) {
@@ -233,7 +237,9 @@ class RenderSession::Impl {
         } else if (scene_ && shown_image_) {
             tracker_.set_exposure(error_exposure_, film_.width(), pool_.get());
             if (passes_ > 0 && target_met()) stop_reached_ = true;
-            if (layers_are_wanted()) layers_.glimpse(view(), measured_rate_, policy_.preview_seconds);
+            if (layers_are_wanted())
+                layers_.glimpse({*scene_, camera_, settings_, *pool_}, measured_rate_,
+                                policy_.preview_seconds);
             publish(shown_image_, shown_is_preview_);
         }
     }
@@ -254,12 +260,12 @@ class RenderSession::Impl {
         tracker_.set_exposure(error_exposure_, film_.width(), pool_.get());
         if (passes_ == 0) return;
         stop_reached_ = target_met();
-        publish(film_, false);
+        publish_film();
     }
 
-    void publish(const Film& film, bool preview) {
-        publish(std::make_shared<const ImageRgba>(film.image(settings_.transparent_background)),
-                preview);
+    void publish_film() {
+        publish(std::make_shared<const ImageRgba>(film_.image(settings_.transparent_background)),
+                false);
     }
 
     bool target_met() const {
@@ -304,8 +310,9 @@ class RenderSession::Impl {
         if (!complete) return;
         ++previews_done_;
         last_divisor_ = divisor;
-        layers_.preview(view(), width, height);
-        publish(film, true);
+        layers_.preview({*scene_, camera_, settings_, *pool_}, width, height);
+        publish(std::make_shared<const ImageRgba>(film.image(settings_.transparent_background)),
+                true);
     }
 
     // Clearing the film waits until it is needed, for a preview should not wait for it.
@@ -352,13 +359,12 @@ class RenderSession::Impl {
             seconds_since(last_publish_) < 0.5)
             return;
         update_layers(work_stop_.get_token());
-        publish(film_, false);
+        publish_film();
     }
 
-    ViewLayers::View view() { return {*scene_, camera_, settings_, *pool_}; }
     bool layers_are_wanted() const { return shown_image_ && layers_.are_missing(); }
     void update_layers(const std::stop_token& stop) {
-        layers_.update(view(), stop);
+        layers_.update({*scene_, camera_, settings_, *pool_}, stop);
         if (passes_ > 0) layers_.update_from(film_, tracker_.block_errors());
     }
 
@@ -405,7 +411,7 @@ class RenderSession::Impl {
     void finish() {
         if (scene_ && samples_ > 0) {
             passes_ = film_.min_samples();
-            publish(film_, false);
+            publish_film();
         }
         std::vector<FilmRequest> requests;
         {
@@ -444,20 +450,14 @@ class RenderSession::Impl {
     ErrorTracker tracker_;
     NonFiniteCount nonfinite_;
     uint64_t generation_ = 0;
-    uint64_t passes_ = 0;
-    uint64_t samples_ = 0;
-    uint64_t rays_ = 0;
-    uint64_t pass_limit_ = 0;
+    uint64_t passes_ = 0, samples_ = 0, rays_ = 0, pass_limit_ = 0;
     double render_seconds_ = 0;
     double resumed_seconds_ = 0;  // of render_seconds_, spent before this session
     std::shared_ptr<FilmState> pending_film_;
     double measured_rate_ = 0;
     float error_exposure_ = 0;
-    bool paused_ = false;
-    bool stop_reached_ = false;
-    bool restart_ = false;
-    uint32_t previews_done_ = 0;
-    uint32_t last_divisor_ = 0;
+    bool paused_ = false, stop_reached_ = false, restart_ = false;
+    uint32_t previews_done_ = 0, last_divisor_ = 0;
     ViewLayers layers_;
     NoteKeeper notes_;
     std::shared_ptr<const ImageRgba> shown_image_;
