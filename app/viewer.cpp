@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/bias_record.h"
 #include "core/io/image_io.h"
 #include "ui/style.h"
 #include "ui/window.h"
@@ -42,6 +41,7 @@ PixelSize window_for_image(uint32_t width, uint32_t height, float ui_scale) {
 ViewerModel initial_model(const ViewerOptions& options) {
     ViewerModel model;
     model.settings = options.settings;
+    model.rival = options.settings;
     model.display = options.display;
     model.look.fit_window = !options.fixed_size;
     model.pass_limit = options.pass_limit;
@@ -52,14 +52,6 @@ FrameLoopOptions frame_loop_options(const ViewerOptions& options) {
     FrameLoopOptions loop;
     loop.loader = options.loader;
     loop.ui_scale = options.ui_scale;
-    loop.bias = [threads = options.threads](const std::shared_ptr<const Scene>& scene,
-                                            const Camera& camera, const RenderSettings& settings) {
-        WorkerPool pool(threads);
-        std::vector<BiasLine> lines;
-        for (BiasEntry& entry : measure_bias(scene, camera, settings, 0, pool))
-            lines.push_back({std::move(entry.name), entry.floor});
-        return lines;
-    };
     return loop;
 }
 

@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Site{PathValue::bsdf_pdf, "bsdf_pdf", {kNan}},
                     Site{PathValue::bsdf_weight, "bsdf_weight", {kNan, kInf}},
                     Site{PathValue::bsdf_sample_pdf, "bsdf_sample_pdf", {kNan}},
-                    Site{PathValue::survival, "survival", {kNan}}),
+                    Site{PathValue::base_color, "base_color", {kNan, kInf}}),
     [](const auto& site) { return std::string(site.param.name); });
 
 // The control: a fault that stays in the range of the possible is not noticed, and nothing is

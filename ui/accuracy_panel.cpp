@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "ui/error_plot.h"
 #include "ui/number_text.h"
@@ -104,41 +105,72 @@ void draw_target(const ErrorEstimate& error, double seconds_now, ViewerModel& mo
     draw_budget(error, model.look);
 }
 
-// When a bias that stays is as large as the noise, further rendering gains little more.
-std::string loss_text(const ErrorEstimate& error, double floor_percent) {
-    if (error.valid && error.relrmse_percent <= floor_percent) return "a loss by now";
-    const ErrorEstimate::Prediction p = error.seconds_to(floor_percent);
-    return p.valid ? "a loss after " + duration_text(p.seconds) : "";
-}
-
-void draw_bias(const ErrorEstimate& error, const ViewerModel& model, const BiasLedger& bias,
-               bool& measure) {
-    const uint32_t unbiased_depth = RenderSettings().max_depth;
-    if (model.settings.max_depth >= unbiased_depth) {
+void draw_bias(const ViewerModel& model, const Diagnosis& diagnosis, bool& measure) {
+    const std::vector<BiasedSwitch> switches = biased_switches(model.settings);
+    if (switches.empty()) {
         text_row("Biased switches", "none is on");
         return;
     }
-    text_row("Biased switches", "max depth %u", model.settings.max_depth);
-    if (bias.lines) {
-        for (const BiasLine& line : *bias.lines) {
-            if (line.floor.significant) {
-                text_row(line.name, "removes %s", percent_text(line.floor.relrmse_percent).c_str());
-                const std::string loss = loss_text(error, line.floor.relrmse_percent);
-                if (!loss.empty()) text_row("", "%s", loss.c_str());
-            } else {
-                text_row(line.name, "below %s", percent_text(line.floor.hi95).c_str());
+    for (const BiasedSwitch& biased : switches) text_row("Biased switch", "%s", biased.name.c_str());
+    if (diagnosis.bias) {
+        for (const BiasEntry& entry : *diagnosis.bias) {
+            if (!entry.floor.significant) {
+                text_row(entry.name, "below %s", percent_text(entry.floor.hi95).c_str());
+                continue;
+            }
+            text_row(entry.name, "removes %s", percent_text(entry.floor.relrmse_percent).c_str());
+            if (entry.loss_after_seconds) {
+                text_row("", "a loss after %s", duration_text(*entry.loss_after_seconds).c_str());
             }
         }
     }
-    measure = ImGui::Button(bias.measuring ? "Measuring ..." : "Measure what it removes",
+    measure = ImGui::Button(diagnosis.measuring_bias ? "Measuring ..." : "Measure what it removes",
                             ImVec2(-1, 0)) &&
-              !bias.measuring;
+              !diagnosis.measuring_bias;
+}
+
+// A bar for each part of the error.
+void draw_shares(const std::vector<ErrorShare>& shares) {
+    for (const ErrorShare& share : shares) {
+        constexpr double kSmallest = 0.005;
+        if (share.error < kSmallest) continue;
+        begin_row(share.label.empty() ? share.name : share.label);
+        char text[48];
+        std::snprintf(text, sizeof text, "%.0f \xC2\xB1 %.0f %%", 100 * share.error,
+                      100 * share.error_sd);
+        ImGui::ProgressBar(static_cast<float>(share.error), ImVec2(-1, 0), text);
+        if (ImGui::IsItemHovered() && !share.help.empty()) {
+            ImGui::SetTooltip("%s would need %.1f times less work", share.help.c_str(),
+                              share.help_factor);
+        }
+    }
+}
+
+void draw_diagnosis(const Diagnosis& diagnosis, bool& measure) {
+    if (!ImGui::TreeNodeEx("Where the error comes from", ImGuiTreeNodeFlags_SpanAvailWidth)) return;
+    ImGui::Unindent();
+    if (diagnosis.shares && diagnosis.shares->valid) {
+        draw_shares(diagnosis.shares->kinds);
+        if (!diagnosis.shares->lights.empty()) ImGui::TextDisabled("By light:");
+        draw_shares(diagnosis.shares->lights);
+        if (!diagnosis.shares->help.empty()) {
+            ImGui::TextWrapped("%s would need %.1f times less work for the same error.",
+                               diagnosis.shares->help.c_str(), diagnosis.shares->help_factor);
+        }
+    } else if (diagnosis.shares) {
+        ImGui::TextDisabled("Nothing in this view is noisy.");
+    }
+    measure = ImGui::Button(diagnosis.measuring_shares ? "Measuring ..." : "Measure",
+                            ImVec2(-1, 0)) &&
+              !diagnosis.measuring_shares;
+    ImGui::Indent();
+    ImGui::TreePop();
 }
 
 }  // namespace
 
 void draw_accuracy_panel(const Snapshot* snapshot, ViewerModel& model, Edits& edits,
-                         const BiasLedger& bias, bool& measure) {
+                         const Diagnosis& diagnosis, DiagnosisRequest& request) {
     static const ErrorEstimate kNone;
     const ErrorEstimate& error = snapshot ? snapshot->error : kNone;
     const double seconds_now = snapshot ? snapshot->render_seconds : 0;
@@ -168,7 +200,8 @@ void draw_accuracy_panel(const Snapshot* snapshot, ViewerModel& model, Edits& ed
         model.look.aov = shows_blocks ? Aov::block_error : Aov::beauty;
         edits.aov = true;
     }
-    draw_bias(error, model, bias, measure);
+    draw_diagnosis(diagnosis, request.shares);
+    draw_bias(model, diagnosis, request.bias);
 }
 
 }  // namespace talbot

@@ -11,7 +11,7 @@ namespace talbot {
 
 BackgroundJobs::~BackgroundJobs() {
     for (const std::unique_ptr<Job>& job : jobs_) {
-        if (job->load) job->thread.request_stop();
+        if (!job->must_end) job->thread.request_stop();
     }
 }
 
@@ -27,6 +27,7 @@ void BackgroundJobs::start(bool load, std::string title, Work work) {
     auto job = std::make_unique<Job>();
     Job& shared = *job;
     shared.load = load;
+    shared.must_end = title.starts_with("saving");
     shared.title = std::move(title);
     shared.thread = std::jthread([&shared, work = std::move(work)](std::stop_token stop) {
         try {
@@ -86,10 +87,26 @@ void BackgroundJobs::retrace(std::shared_ptr<const Snapshot> snapshot, const Not
           });
 }
 
-void BackgroundJobs::measure_bias(std::function<std::vector<BiasLine>()> measure) {
+void BackgroundJobs::measure_bias(std::shared_ptr<const Snapshot> snapshot, float exposure_ev) {
     start(false, "measuring bias",
-          [measure = std::move(measure)](std::stop_token, std::atomic<float>&) -> Outcome {
-              return measure();
+          [s = std::move(snapshot), exposure_ev](std::stop_token stop,
+                                                 std::atomic<float>&) -> Outcome {
+              WorkerPool pool(0);
+              return talbot::measure_bias(s->scene, s->camera, s->settings,
+                                          static_cast<double>(exposure_ev), pool, stop);
+          });
+}
+
+void BackgroundJobs::measure_error_shares(std::shared_ptr<const Snapshot> snapshot,
+                                          float exposure_ev) {
+    start(false, "measuring the error's parts",
+          [s = std::move(snapshot), exposure_ev](std::stop_token stop,
+                                                 std::atomic<float>&) -> Outcome {
+              WorkerPool pool(0);
+              ErrorSharePolicy policy;
+              policy.exposure_ev = exposure_ev;
+              return talbot::measure_error_shares(s->scene, s->camera, s->settings, policy, pool,
+                                                  stop);
           });
 }
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,7 +27,7 @@ class BackgroundJobs {
   public:
     using Outcome =
         std::variant<LoadedScene, RereadScene, std::shared_ptr<const EnvironmentImage>, SavedFile,
-                     ReplayedPath, std::vector<BiasLine>, Error>;
+                     ReplayedPath, std::vector<BiasEntry>, ErrorShares, Error>;
 
     BackgroundJobs() = default;
     ~BackgroundJobs();  // cancels loads, finishes saves
@@ -44,7 +43,9 @@ class BackgroundJobs {
     // The path of one sample of what the snapshot shows.
     void retrace(std::shared_ptr<const Snapshot> snapshot, const NotedSample& sample);
 
-    void measure_bias(std::function<std::vector<BiasLine>()> measure);
+    // Of what the snapshot shows, after an exposure.
+    void measure_bias(std::shared_ptr<const Snapshot> snapshot, float exposure_ev);
+    void measure_error_shares(std::shared_ptr<const Snapshot> snapshot, float exposure_ev);
 
     // PNG through the display settings, EXR and the like scene-linear.
     void save(const std::filesystem::path& file, std::shared_ptr<const ImageRgba> image,
@@ -63,6 +64,7 @@ class BackgroundJobs {
   private:
     struct Job {
         bool load = false;
+        bool must_end = false;  // what is being written is finished
         std::string title;
         std::atomic<float> fraction{0};
         std::atomic<bool> done{false};

@@ -14,14 +14,12 @@
 namespace talbot {
 namespace {
 
-// ImGui needs a few frames after an input until everything that depends on it is drawn.
 constexpr int kSettleFrames = 3;
 // The window's size must rest this long before the image follows.
 constexpr double kResizeRest = 0.12;
 // A frame is put off this long for the image that its own change asked for.
 constexpr double kLatchSeconds = 0.03;
 constexpr double kNoticeSeconds = 6;
-constexpr float kExposureStep = 1.0f / 3.0f;
 
 }  // namespace
 
@@ -37,7 +35,8 @@ FrameLoop::FrameLoop(RenderSession& session, GlContext& context, ViewerModel mod
       options_(std::move(options)),
       model_(std::move(model)),
       display_(context.gl()),
-      panels_(context.gl()) {
+      panels_(context.gl()),
+      ab_(context.gl()) {
     if (!options_.loader) {
         options_.loader = [](const std::filesystem::path& file, std::stop_token stop,
                              const LoadProgress& progress) {
@@ -69,6 +68,7 @@ Status FrameLoop::load() {
     set_up_panel_keys();
     if (Status loaded = display_.load(); !loaded) return loaded;
     if (Status loaded = panels_.load(); !loaded) return loaded;
+    if (Status loaded = ab_.load(); !loaded) return loaded;
     last_step_ = now_seconds();
     return Done{};
 }
@@ -81,6 +81,7 @@ bool FrameLoop::needs_frame() const {
     if (settle_frames_ > 0 || !input_.empty() || edits_.any() || jobs_.busy() || !notice_.empty())
         return true;
     if (session_.latest() != snapshot_) return true;
+    if (ab_.is_running() && ab_.latest() != shown_ab_) return true;
     if (model_.playing || model_.choice != model_.shown_choice) return true;
     if (wanted_size_ != PixelSize{}) return true;
     const ImGuiIO& io = ImGui::GetIO();
@@ -88,6 +89,10 @@ bool FrameLoop::needs_frame() const {
     return io.WantTextInput ||
            std::any_of(std::begin(io.KeysDown), std::end(io.KeysDown), [](bool b) { return b; }) ||
            std::any_of(std::begin(io.MouseDown), std::end(io.MouseDown), [](bool b) { return b; });
+}
+
+void FrameLoop::settle() {
+    settle_frames_ = kSettleFrames;
 }
 
 void FrameLoop::redraw() {
@@ -181,11 +186,15 @@ void FrameLoop::draw_ui(double seconds) {
         view.status.busy = jobs_.status();
         view.reading = pixel_under_pointer();
         view.path = path_ ? &*path_ : nullptr;
-        view.bias = bias_;
+        view.diagnosis = diagnosis_;
+        const std::shared_ptr<const AbSnapshot> ab = ab_.latest();
+        view.ab = ab.get();
+        view.comparing = ab_.is_running();
         PanelRequests requests;
         draw_panels(size, scale_, model_, edits_, view, form_, requests);
         grant(requests);
     }
+    ab_.draw_line(model_, image_rect_);
     if (path_) draw_path(*path_, model_, image_rect_);
     if (model_.look.show_help) model_.look.show_help = draw_help_overlay();
     if (!notice_.empty()) {
@@ -201,11 +210,14 @@ void FrameLoop::grant(const PanelRequests& requests) {
     if (requests.file.save) save_file(*requests.file.save);
     if (requests.retrace && snapshot_) jobs_.retrace(snapshot_, *requests.retrace);
     if (requests.hide_path) path_.reset();
-    if (requests.measure_bias && snapshot_ && options_.bias) {
-        bias_.measuring = true;
-        jobs_.measure_bias([measure = options_.bias, shown = snapshot_] {
-            return measure(shown->scene, shown->camera, shown->settings);
-        });
+    follow_comparison(requests.ab);
+    if (requests.diagnosis.bias && snapshot_) {
+        diagnosis_.measuring_bias = true;
+        jobs_.measure_bias(snapshot_, model_.display.exposure_ev);
+    }
+    if (requests.diagnosis.shares && snapshot_) {
+        diagnosis_.measuring_shares = true;
+        jobs_.measure_error_shares(snapshot_, model_.display.exposure_ev);
     }
 }
 
@@ -217,83 +229,6 @@ std::optional<PixelReading> FrameLoop::pixel_under_pointer() const {
     const float v =
         (at.y - static_cast<float>(image_rect_.y)) / static_cast<float>(image_rect_.height);
     return read_pixel(*snapshot_, static_cast<double>(u), static_cast<double>(v));
-}
-
-void FrameLoop::run_shortcuts() {
-    const ImGuiIO& io = ImGui::GetIO();
-    if (io.WantTextInput) return;
-    for (const Shortcut& shortcut : shortcuts()) {
-        if (shortcut.control != io.KeyCtrl) continue;
-        if (ImGui::IsKeyPressed(static_cast<int>(shortcut.key), false))
-            run_command(shortcut.command);
-    }
-}
-
-void FrameLoop::run_command(ViewerCommand command) {
-    float& exposure = model_.display.exposure_ev;
-    switch (command) {
-        case ViewerCommand::toggle_pause:
-            model_.paused = !model_.paused;
-            edits_.paused = true;
-            break;
-        case ViewerCommand::restart:
-            edits_.restart = true;
-            break;
-        case ViewerCommand::toggle_animation:
-            model_.playing = !model_.playing && model_.choices().last_key() > 0;
-            break;
-        case ViewerCommand::frame_all:
-            edits_.camera |= frame_all(model_);
-            break;
-        case ViewerCommand::frame_selected:
-            edits_.camera |= frame_selected(model_);
-            break;
-        case ViewerCommand::next_camera: {
-            const std::size_t count = model_.scene ? model_.scene->cameras().size() : 0;
-            if (count == 0) break;
-            edits_.camera |= use_file_camera(model_, (model_.camera + 1) % static_cast<int>(count));
-            break;
-        }
-        case ViewerCommand::clear_selection:
-            if (model_.look.show_help)
-                model_.look.show_help = false;
-            else
-                select_object(model_, std::nullopt, std::nullopt, edits_);
-            break;
-        case ViewerCommand::exposure_down:
-            exposure -= kExposureStep;
-            break;
-        case ViewerCommand::exposure_up:
-            exposure += kExposureStep;
-            break;
-        case ViewerCommand::exposure_reset:
-            exposure = 0;
-            break;
-        case ViewerCommand::next_tone_map:
-            model_.display.tone_map = static_cast<ToneMap>(
-                (static_cast<std::size_t>(model_.display.tone_map) + 1) % kToneMaps.size());
-            break;
-        case ViewerCommand::toggle_panels:
-            model_.look.show_panels = !model_.look.show_panels;
-            break;
-        case ViewerCommand::toggle_help:
-            model_.look.show_help = !model_.look.show_help;
-            break;
-        case ViewerCommand::open_file:
-            model_.look.show_panels = true;
-            form_.focus_open_path = true;
-            break;
-        case ViewerCommand::save_png:
-            save_file(form_.save_path.ends_with(".png") ? form_.save_path : "talbot.png");
-            break;
-        case ViewerCommand::save_exr:
-            save_file(form_.save_path.ends_with(".exr") ? form_.save_path : "talbot.exr");
-            break;
-        case ViewerCommand::quit:
-            quit_ = true;
-            break;
-    }
-    settle_frames_ = kSettleFrames;
 }
 
 std::optional<Pick> FrameLoop::pick_at(const Vec2f& position) const {
@@ -357,8 +292,12 @@ void FrameLoop::finish_jobs() {
             edits_.environment = true;
         } else if (auto* path = std::get_if<ReplayedPath>(&*outcome)) {
             path_ = std::move(*path);
-        } else if (auto* lines = std::get_if<std::vector<BiasLine>>(&*outcome)) {
-            bias_ = {false, std::move(*lines)};
+        } else if (auto* bias = std::get_if<std::vector<BiasEntry>>(&*outcome)) {
+            diagnosis_.measuring_bias = false;
+            diagnosis_.bias = std::move(*bias);
+        } else if (auto* shares = std::get_if<ErrorShares>(&*outcome)) {
+            diagnosis_.measuring_shares = false;
+            diagnosis_.shares = std::move(*shares);
         } else if (const auto* saved = std::get_if<SavedFile>(&*outcome)) {
             notify("Saved " + saved->file.string(), false);
         } else if (const auto* error = std::get_if<Error>(&*outcome)) {
@@ -392,6 +331,16 @@ void FrameLoop::follow_target() {
     model_.paused = true;
     edits_.paused = true;
     notify("The target error is reached; rendering rests.", false);
+}
+
+// While two settings are compared, the render rests, and the image shows both.
+void FrameLoop::follow_comparison(const AbRequest& request) {
+    if (request.start && snapshot_) ab_.start(model_, *snapshot_, session_.threads());
+    if (request.stop) ab_.stop();
+    if (request.close) ab_.close();
+    if (ab_.is_running() == comparing_) return;
+    comparing_ = ab_.is_running();
+    session_.submit(SetPaused{comparing_ || model_.paused});
 }
 
 // The image takes the size of its part of the window, once that has rested.
@@ -434,7 +383,9 @@ void FrameLoop::submit_changes(double input_time) {
         if (!shows) continue;
         image_generation_ = generation_;
         if (kind == ChangeKind::scene || kind == ChangeKind::animation) path_.reset();
-        bias_.lines.reset();
+        ab_.close();
+        diagnosis_.bias.reset();
+        diagnosis_.shares.reset();
         double asked_at = input_time;
         if (kind == ChangeKind::scene && opened_at_ > 0) asked_at = std::exchange(opened_at_, 0);
         if (kind == ChangeKind::animation && chosen_at_ > 0)
@@ -451,14 +402,15 @@ void FrameLoop::draw_and_present() {
         settle_frames_ = std::max(settle_frames_, 1);
     }
     DisplayOverlay overlay;
-    const AovImage* aov = snapshot_ ? snapshot_->aov.get() : nullptr;
+    shown_ab_ = ab_.latest();
+    const AovImage* aov = snapshot_ && !shown_ab_ ? snapshot_->aov.get() : nullptr;
     if (aov && aov->aov == model_.look.aov) {
         display_.update(std::shared_ptr<const ImageRgba>(snapshot_->aov, &aov->image),
                         snapshot_->object_ids, snapshot_->full_width, snapshot_->full_height);
         overlay.look = aov_info(aov->aov).look;
         overlay.range_lower = aov->lower;
         overlay.range_upper = aov->upper;
-    } else if (snapshot_) {
+    } else if (snapshot_ && !shown_ab_) {
         display_.update(*snapshot_);
     }
 
@@ -471,7 +423,8 @@ void FrameLoop::draw_and_present() {
     overlay.selected_object = model_.selected_object;
     overlay.false_color = model_.look.false_color;
     overlay.scale = scale_;
-    display_.draw(image_rect_, size, model_.display, overlay);
+    if (!ab_.draw(gl, display_, image_rect_, size, model_, overlay))
+        display_.draw(image_rect_, size, model_.display, overlay);
     panels_.draw(*ImGui::GetDrawData(), size);
     context_.present();
     gl_seconds_ += now_seconds() - start;

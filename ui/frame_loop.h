@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/session/session.h"
+#include "ui/ab_view.h"
 #include "ui/background_jobs.h"
 #include "ui/display.h"
 #include "ui/gl_context.h"
@@ -23,14 +24,8 @@ struct ImGuiContext;
 
 namespace talbot {
 
-// Measures what the biased switches of a view remove; for any thread, may take a second.
-using BiasMeasurer =
-    std::function<std::vector<BiasLine>(const std::shared_ptr<const Scene>& scene,
-                                        const Camera& camera, const RenderSettings& settings)>;
-
 struct FrameLoopOptions {
     SceneLoader loader;  // for files that are opened or dropped; empty takes load_scene
-    BiasMeasurer bias;   // empty: cannot be measured
     float ui_scale = 0;  // 0 = the context's content scale
 };
 
@@ -53,6 +48,9 @@ class FrameLoop {
 
     // Whether a step would draw something that the last one did not.
     bool needs_frame() const;
+
+    // Asks for the frames that ImGui needs after an input until all that depends on it is drawn.
+    void settle();
 
     // Asks for a frame although no input came: something was changed from outside.
     void redraw();
@@ -97,6 +95,7 @@ class FrameLoop {
     void finish_jobs();
     void follow_choice(double now);
     void follow_target();
+    void follow_comparison(const AbRequest& request);
     void grant(const PanelRequests& requests);
     std::optional<PixelReading> pixel_under_pointer() const;
     void follow_window(double now);
@@ -114,10 +113,11 @@ class FrameLoop {
     Display display_;
     PanelRenderer panels_;
     BackgroundJobs jobs_;
+    AbView ab_;
     LatencyRecorder recorder_;
     FileForm form_;
     std::optional<ReplayedPath> path_;
-    BiasLedger bias_;
+    Diagnosis diagnosis_;
     uint64_t image_generation_ = 0;  // of the newest change that alters the image
     uint64_t target_met_by_ = 0;     // the one that was stopped at its target
     std::shared_ptr<const Snapshot> snapshot_;
@@ -138,6 +138,8 @@ class FrameLoop {
     uint64_t generation_ = 0;
     float error_exposure_ = 0;  // as the session was told
     int settle_frames_ = 0;
+    std::shared_ptr<const AbSnapshot> shown_ab_;
+    bool comparing_ = false;  // the render rests meanwhile
     bool quit_ = false;
 };
 

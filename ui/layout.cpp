@@ -69,7 +69,9 @@ void draw_panels(PixelSize framebuffer, float scale, ViewerModel& model, Edits& 
 
     begin_window("image settings", {framebuffer.width - side, 0, side, height}, kFixedWindow);
     if (section("Accuracy"))
-        draw_accuracy_panel(snapshot, model, edits, view.bias, requests.measure_bias);
+        draw_accuracy_panel(snapshot, model, edits, view.diagnosis, requests.diagnosis);
+    if (section("Compare A and B", false))
+        draw_ab_panel(model, view.ab, view.comparing, requests.ab);
     if (section("Display")) draw_display_panel(model, edits, snapshot, view.reading);
     if (section("Samples", false))
         draw_samples_panel(snapshot, view.path, requests.retrace, requests.hide_path);

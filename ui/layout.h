@@ -17,14 +17,17 @@ struct PanelView {
     StatusLine status;
     std::optional<PixelReading> reading;  // under the pointer
     const ReplayedPath* path = nullptr;   // on show
-    BiasLedger bias;
+    Diagnosis diagnosis;
+    const AbSnapshot* ab = nullptr;  // null until there is something to show
+    bool comparing = false;
 };
 // What they ask for beyond edits.
 struct PanelRequests {
     FileRequest file;
     std::optional<NotedSample> retrace;
     bool hide_path = false;
-    bool measure_bias = false;
+    DiagnosisRequest diagnosis;
+    AbRequest ab;
 };
 
 // Draws all panels; what they change goes into model, edits and requests.

@@ -5,8 +5,10 @@
 #include <optional>
 #include <string>
 
-#include "core/accuracy/bias_floor.h"
 #include "core/integrate/replay.h"
+#include "core/session/ab_comparison.h"
+#include "core/session/bias_ledger.h"
+#include "core/session/error_shares.h"
 #include "core/session/snapshot.h"
 #include "ui/inspector.h"
 #include "ui/viewer_model.h"
@@ -38,25 +40,35 @@ bool draw_session_panel(ViewerModel& model, Edits& edits, const Snapshot* snapsh
 void draw_display_panel(ViewerModel& model, Edits& edits, const Snapshot* snapshot,
                         const std::optional<PixelReading>& reading);
 
-// A biased switch that is on, and what it costs.
-struct BiasLine {
-    std::string name;  // of the switch, with its value
-    BiasFloor floor;
+// What is measured beside the render when it is asked for.
+struct Diagnosis {
+    bool measuring_bias = false;
+    bool measuring_shares = false;
+    std::optional<std::vector<BiasEntry>> bias;  // empty before it was measured
+    std::optional<ErrorShares> shares;
 };
-struct BiasLedger {
-    bool measuring = false;
-    std::optional<std::vector<BiasLine>> lines;  // empty before they were measured
+struct DiagnosisRequest {
+    bool bias = false;
+    bool shares = false;
 };
 
 // Error with its interval and trust, its course over the seconds, the time to a target and what a
-// time buys, and the biased switches. `measure` is set when their floors are asked for.
+// time buys, where the error comes from, and the biased switches.
 void draw_accuracy_panel(const Snapshot* snapshot, ViewerModel& model, Edits& edits,
-                         const BiasLedger& bias, bool& measure);
+                         const Diagnosis& diagnosis, DiagnosisRequest& request);
 
 // Samples to look at. `chosen` is set to one whose path is asked for, `closed` when the path that is
 // on show is to go.
 void draw_samples_panel(const Snapshot* snapshot, const ReplayedPath* path,
                         std::optional<NotedSample>& chosen, bool& closed);
+
+// What B is, the error of both sides and the verdict. Edits the model's rival.
+struct AbRequest {
+    bool start = false;
+    bool stop = false;
+    bool close = false;
+};
+void draw_ab_panel(ViewerModel& model, const AbSnapshot* ab, bool comparing, AbRequest& request);
 
 // What the file panel asks for.
 struct FileRequest {

@@ -40,6 +40,7 @@ struct ViewerModel {
     Environment environment;
     CameraController view;
     RenderSettings settings;
+    RenderSettings rival;  // that the settings are compared with
     DisplaySettings display;
     ViewSettings look;
     bool paused = false;

@@ -130,10 +130,15 @@ void Film::add(uint32_t x, uint32_t y, const Rgb& radiance, bool covered, uint64
     const bool ordinary =
         is_ordinary(radiance.x) && is_ordinary(radiance.y) && is_ordinary(radiance.z);
     if (ordinary) {
-        // Adds nothing to the cost of a sample but this look at the pixel's sum.
+        // Hardly any sample gets past this look at one sum of its pixel.
         const FilmPixel& p = pixel(x, y);
-        const float largest = std::max({radiance.x, radiance.y, radiance.z});
-        if (p.samples == 1 || (p.samples > 1 && largest >= log.outlier_threshold()))
+        const int c = radiance.y > radiance.x ? (radiance.z > radiance.y ? 2 : 1)
+                                              : (radiance.z > radiance.x ? 2 : 0);
+        const float largest = radiance[c];
+        if (p.samples <= 1 ? p.samples == 1
+                           : largest >= log.outlier_threshold() &&
+                                 static_cast<double>(largest) * static_cast<double>(p.samples) >
+                                     kOutlierRatio * p.sum[c].value())
             judge(p, {x, y, sample, radiance, SampleFault::none}, log);
         return add(x, y, radiance, covered, sample, counts);
     }
