@@ -26,7 +26,8 @@ double thread_cpu_seconds() {
 AbRender::AbRender(std::shared_ptr<const RenderScene> scene, const Camera& camera,
                    const RenderSettings& settings, TileKernel kernel)
     : scene_(std::move(scene)),
-      camera_(camera, scene_->scene().origin(), settings.width, settings.height),
+      camera_(camera, scene_->scene().origin(), settings.width, settings.height,
+              scene_->scene().geometry().bounds),
       settings_(settings),
       path_(path_settings(settings)),
       kernel_(kernel),

@@ -87,7 +87,8 @@ class Diagnosis {
         : scene_(scene),
           settings_(settings),
           path_(path_settings(settings)),
-          camera_(camera, scene.scene().origin(), settings.width, settings.height),
+          camera_(camera, scene.scene().origin(), settings.width, settings.height,
+                  scene.scene().geometry().bounds),
           slots_(slots),
           pixels_(std::size_t{settings.width} * settings.height),
           cells_(pixels_ * 3 * (slots.count() + 1)) {}
