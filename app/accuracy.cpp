@@ -49,7 +49,8 @@ Result<std::optional<AccuracyOptions>> parse(std::span<const std::string> args) 
     app.add_option("--png", o.png, "plot");
     app.footer(
         "SCENE and the options of a render (--size, --seed, --camera, --environment, --max-depth, "
-        "...) set the base.\nCommands: talbot accuracy certify [SCENE...], talbot accuracy ab SCENE --a "
+        "...) set the base.\nCommands: talbot accuracy certify [SCENE...], talbot accuracy ab "
+        "SCENE --a "
         "FLAGS --b FLAGS");
     try {
         app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
@@ -143,11 +144,10 @@ void print_shares(const ErrorShares& shares) {
     for (const std::vector<ErrorShare>* list : {&shares.kinds, &shares.lights}) {
         for (const ErrorShare& s : *list) {
             char error[32];
-            std::snprintf(error, sizeof(error), "%.1f +- %.1f %%", 100 * s.error,
-                          196 * s.error_sd);
-            std::printf("%-36s %-16s %5.1f %%  %s\n", s.label.c_str(), error, 100 * s.light,
-                        s.help.empty() ? ""
-                                       : (s.help + ": " + number(s.help_factor) + "x").c_str());
+            std::snprintf(error, sizeof(error), "%.1f +- %.1f %%", 100 * s.error, 196 * s.error_sd);
+            std::printf(
+                "%-36s %-16s %5.1f %%  %s\n", s.label.c_str(), error, 100 * s.light,
+                s.help.empty() ? "" : (s.help + ": " + number(s.help_factor) + "x").c_str());
         }
         std::printf("\n");
     }
@@ -234,8 +234,8 @@ Status measure(const AccuracyOptions& options, const Options& base) {
         RenderSettings settings = base.render;
         settings.width = scene->setup.settings.width;
         settings.height = scene->setup.settings.height;
-        report.shares = measure_error_shares(scene->setup.scene, scene->setup.camera, settings,
-                                             policy, pool);
+        report.shares =
+            measure_error_shares(scene->setup.scene, scene->setup.camera, settings, policy, pool);
     }
     return write_reports(options, report);
 }

@@ -41,7 +41,8 @@ Result<std::optional<AbOptions>> parse(std::span<const std::string> args) {
     app.add_option("--budget", o.budget_seconds, "seconds of rendering, both together (30)");
     app.add_flag("--until-decided", o.until_decided, "end as soon as one is better");
     app.add_option("--json", o.json, "figures; - is the standard output");
-    app.footer("SCENE and the options of a render (--size, --camera, --sampler, ...) hold for both.");
+    app.footer(
+        "SCENE and the options of a render (--size, --camera, --sampler, ...) hold for both.");
     try {
         app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
     } catch (const CLI::Success& success) {
@@ -85,28 +86,25 @@ Status check_same_view(const Options& base, const Options& side, const std::stri
     const auto place = [](const Options& o) {
         std::string words = o.scene_file + '\n' + o.camera + '\n' + o.scene_name + '\n' +
                             o.variant + '\n' + o.environment;
-        for (const double x : {static_cast<double>(o.environment_rotation),
-                               o.animation_time.value_or(-1), o.orbit ? o.orbit->radius : 0.0,
-                               static_cast<double>(o.size ? o.size->width : 0),
-                               static_cast<double>(o.size ? o.size->height : 0)})
+        for (const double x :
+             {static_cast<double>(o.environment_rotation), o.animation_time.value_or(-1),
+              o.orbit ? o.orbit->radius : 0.0, static_cast<double>(o.size ? o.size->width : 0),
+              static_cast<double>(o.size ? o.size->height : 0)})
             words += '\n' + std::to_string(x);
         return words;
     };
     if (place(base) != place(side) || side.headless())
-        return usage(option, "takes settings of a render only (--max-depth, --sampler, --no-nee, "
-                             "--effects, ...); scene, view and size hold for both sides");
+        return usage(option,
+                     "takes settings of a render only (--max-depth, --sampler, --no-nee, "
+                     "--effects, ...); scene, view and size hold for both sides");
     return Done{};
 }
 
 ordered_json side_json(const AbSide& side, const std::string& flags) {
-    return {{"flags", flags},
-            {"kernel", side.kernel},
-            {"samples", side.samples},
-            {"seconds", side.seconds},
-            {"rays", side.rays},
-            {"relrmse_percent", side.relrmse_percent},
-            {"lo95", side.lo95},
-            {"hi95", side.hi95}};
+    return {{"flags", flags},          {"kernel", side.kernel},
+            {"samples", side.samples}, {"seconds", side.seconds},
+            {"rays", side.rays},       {"relrmse_percent", side.relrmse_percent},
+            {"lo95", side.lo95},       {"hi95", side.hi95}};
 }
 
 ordered_json verdict_json(const EfficiencyVerdict& v) {
@@ -198,8 +196,9 @@ int run_ab(std::span<const std::string> args) {
     const AbOptions& o = **options;
     std::optional<Options> sides[3];
     for (int i = 0; i < 3; ++i) {
-        const Result<std::optional<Options>> side =
-            parse_side(o.rest, i == 0 ? std::string() : i == 1 ? o.a : o.b);
+        const Result<std::optional<Options>> side = parse_side(o.rest, i == 0   ? std::string()
+                                                                       : i == 1 ? o.a
+                                                                                : o.b);
         if (!side) return fail(side.error());
         if (!*side) return kExitDone;
         sides[i] = **side;

@@ -89,9 +89,8 @@ Result<std::optional<CertifyOptions>> parse(std::span<const std::string> args) {
     if (!o.cache.empty() && !std::filesystem::is_directory(o.cache))
         return usage("--cache: the folder '" + o.cache + "' does not exist");
     if (o.scenes.empty() && o.list.empty()) {
-        for (const char* name :
-             {"cornell.gltf", "hero.glb", "spheres.gltf", "report.gltf", "report-extended.gltf",
-              "rare-light.gltf"})
+        for (const char* name : {"cornell.gltf", "hero.glb", "spheres.gltf", "report.gltf",
+                                 "report-extended.gltf", "rare-light.gltf"})
             o.scenes.push_back(find_data(std::string("scenes/") + name).string());
     }
     return std::optional<CertifyOptions>(o);
@@ -118,8 +117,8 @@ ordered_json summary_json(const CalibrationSummary& s) {
 
 void print_header() {
     std::printf("%-26s %7s %9s %11s %7s %12s %11s %10s %7s %11s  %s\n", "scene", "claims",
-                "coverage", "est./truth", "width", "pred. close", "by seconds", "act./pred.", "stop",
-                "brightness", "green/amber/red");
+                "coverage", "est./truth", "width", "pred. close", "by seconds", "act./pred.",
+                "stop", "brightness", "green/amber/red");
 }
 
 void print_row(const std::string& name, const CalibrationSummary& s) {

@@ -9,9 +9,9 @@
 namespace talbot {
 
 struct ClaimPlan {
-    uint64_t from = 8;      // milestones, powers of two
+    uint64_t from = 8;  // milestones, powers of two
     uint64_t to = 256;
-    uint64_t stop_to = 256; // how far this render goes on for the stop rule, a power of two
+    uint64_t stop_to = 256;  // how far this render goes on for the stop rule, a power of two
 };
 
 // The claims go to `calibration`; one object for every octave to the array `claims`.

@@ -48,8 +48,8 @@ ordered_json result_json(const SweepResult& r, std::size_t rank) {
                      {"z", number(f.z)},
                      {"block_p_value", f.block_p_value},
                      {"brightness_percent", f.brightness_percent},
-                     {"loss_after_seconds", r.loss_after_seconds ? number(*r.loss_after_seconds)
-                                                                 : ordered_json()}};
+                     {"loss_after_seconds",
+                      r.loss_after_seconds ? number(*r.loss_after_seconds) : ordered_json()}};
     } else {
         j["bias"] = nullptr;
     }

@@ -16,12 +16,14 @@ std::string bias_sentence(const BiasFloor& floor, std::optional<double> loss_aft
                       floor.hi95);
         return text;
     }
-    std::snprintf(text, sizeof(text), "puts a floor of %.3g %% under the error (brightness %+.2g %%)",
+    std::snprintf(text, sizeof(text),
+                  "puts a floor of %.3g %% under the error (brightness %+.2g %%)",
                   floor.relrmse_percent, floor.brightness_percent);
     std::string sentence = text;
     if (!loss_after_seconds) return sentence;
     if (*loss_after_seconds <= 0) return sentence + "; a loss from the start";
-    if (!std::isfinite(*loss_after_seconds)) return sentence + "; pays for any time that was looked at";
+    if (!std::isfinite(*loss_after_seconds))
+        return sentence + "; pays for any time that was looked at";
     std::snprintf(text, sizeof(text), "; a loss after about %.2g s", *loss_after_seconds);
     return sentence + text;
 }

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "app/aov_layers.h"
 #include "app/checkpoint.h"
 #include "app/exit_code.h"
 #include "app/run_record.h"
@@ -143,19 +144,26 @@ Metadata metadata_of(const Snapshot& s) {
             {"Seed", std::to_string(s.settings.seed)}};
 }
 
-Status write_image(const std::string& file, const Snapshot& s, const DisplaySettings& display) {
+Status write_image(const std::string& file, const Snapshot& s, const DisplaySettings& display,
+                   const std::vector<ImageLayer>& layers) {
     const std::string extension = extension_of(file);
     const Metadata metadata = metadata_of(s);
-    if (extension == ".exr") return save_exr(file, *s.image, {}, metadata);
+    if (extension == ".exr") return save_exr(file, *s.image, layers, metadata);
     if (extension == ".hdr") return save_hdr(file, *s.image);
     if (extension == ".pfm") return save_pfm(file, *s.image);
     return save_png(file, develop(*s.image, display), metadata);
 }
 
 Status write_files(const Options& options, RenderSession& session, const Snapshot& s,
-                   std::string& film_hash) {
+                   WorkerPool& pool, std::string& film_hash) {
+    std::vector<ImageLayer> layers;
+    if (!options.aovs.empty()) {
+        session.with_film([&](const FilmView& view) {
+            layers = make_aov_layers(options.aovs, s, view, pool);
+        });
+    }
     for (const std::string& output : options.outputs) {
-        if (Status status = write_image(output, s, options.display); !status) return status;
+        if (Status status = write_image(output, s, options.display, layers); !status) return status;
     }
     Status film_status = Done{};
     session.with_film([&](const FilmView& view) {
@@ -223,9 +231,10 @@ bool render(RenderSession& session, const Options& options, const SceneSetup& se
     return interrupted;
 }
 
-int finish(const Options& options, RenderSession& session, RunRecord record) {
+int finish(const Options& options, RenderSession& session, WorkerPool& pool, RunRecord record) {
     const Clock::time_point write_start = Clock::now();
-    if (Status status = write_files(options, session, *record.snapshot, record.film_hash); !status)
+    if (Status status = write_files(options, session, *record.snapshot, pool, record.film_hash);
+        !status)
         return report_error(status.error());
     record.seconds.write = seconds_since(write_start);
     record.seconds.total += record.seconds.write;
@@ -261,6 +270,7 @@ int run_headless(const Options& given, Clock::time_point process_start) {
     const auto pool = std::make_shared<WorkerPool>(options.threads);
     Result<SceneSetup> setup = set_up_scene(options, *pool);
     if (!setup) return report_error(setup.error());
+    setup->file.reset();
     if (*resumed) {
         if (Status status = check_resume(options, **resumed, *setup); !status)
             return report_error(status.error());
@@ -282,7 +292,7 @@ int run_headless(const Options& given, Clock::time_point process_start) {
     record.target_error_percent = options.target_error_percent;
     record.seconds = {setup->load_seconds, setup->build_seconds, snapshot->render_seconds, 0,
                       seconds_since(process_start)};
-    return finish(options, session, record);
+    return finish(options, session, *pool, record);
 }
 
 }  // namespace talbot

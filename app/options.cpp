@@ -1,6 +1,7 @@
 #include "app/options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -15,7 +16,7 @@ constexpr uint32_t kMaxSide = 65535;
 
 struct RawOptions {
     std::string size, orbit, tone_map, background = "environment", sampler, filter, pixel,
-                                       effects = "auto", log = "info";
+                                       effects = "auto", log = "info", aovs;
     std::string frames, seed, first_sample, threads, max_depth, tile_size, sample;
     std::optional<double> every;
     double exposure = 0;
@@ -176,6 +177,8 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
     app.add_flag("--no-nee", raw.no_nee, "no next-event estimation: find lights by chance only");
     app.add_option("--tile-size", raw.tile_size, "pixels a side of a work tile; changes no pixel");
     app.add_option("--effects", raw.effects, "auto, all, or a list of effects to force on");
+    app.add_option("--aov", raw.aovs,
+                   "all, or a list of layers for .exr outputs: " + names_of(kAovs));
     app.add_option("--pixel", raw.pixel,
                    "X,Y: replay one sample of one pixel with a log of its steps");
     app.add_option("--sample", raw.sample, "the sample index that --pixel replays");
@@ -209,6 +212,30 @@ Status convert_effects(const std::string& text, Options& o) {
                                           names_of(kEffects));
         o.render.forced_on.add(*effect);
     }
+    return Done{};
+}
+
+Status convert_aovs(const std::string& text, Options& o) {
+    if (text.empty()) return Done{};
+    std::size_t start = 0;
+    while (text != "all" && start <= text.size()) {
+        const std::size_t comma = std::min(text.find(',', start), text.size());
+        const std::string word = text.substr(start, comma - start);
+        start = comma + 1;
+        const std::optional<Aov> aov = aov_from_name(word);
+        if (!aov)
+            return usage("--aov", "'" + word + "' is not known; use all or of " + names_of(kAovs));
+        if (std::find(o.aovs.begin(), o.aovs.end(), *aov) == o.aovs.end()) o.aovs.push_back(*aov);
+    }
+    for (const AovInfo& info : kAovs) {
+        if (text == "all") o.aovs.push_back(info.aov);
+    }
+    // The image is in the file as R, G and B.
+    std::erase(o.aovs, Aov::beauty);
+    const bool has_exr =
+        std::any_of(o.outputs.begin(), o.outputs.end(),
+                    [](const std::string& file) { return file.ends_with(".exr"); });
+    if (!has_exr) return usage("--aov", "goes into .exr files; name one with --output FILE.exr");
     return Done{};
 }
 
@@ -268,6 +295,7 @@ Status convert(const RawOptions& raw, Options& o) {
         !s)
         return s;
     if (Status s = convert_effects(raw.effects, o); !s) return s;
+    if (Status s = convert_aovs(raw.aovs, o); !s) return s;
     if (raw.background != "environment" && raw.background != "transparent") {
         return usage("--background",
                      "'" + raw.background + "' is not known; use environment or transparent");

@@ -8,6 +8,7 @@
 
 #include "core/base/log.h"
 #include "core/base/result.h"
+#include "core/film/aov.h"
 #include "core/film/tone_map.h"
 #include "core/scene/camera.h"
 #include "core/session/settings.h"
@@ -50,6 +51,7 @@ struct Options {
     RenderSettings render;
     DisplaySettings display;
     bool all_effects = false;
+    std::vector<Aov> aovs;  // layers of .exr outputs
     std::optional<PixelAddress> pixel;
     uint64_t sample = 0;
     bool strict = false;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/machine.h"
+#include "app/outlier_record.h"
 #include "core/geometry/accel.h"
 
 namespace talbot {
@@ -150,6 +151,9 @@ std::string run_record_json(const RunRecord& record) {
     }
     j["bias"] = bias_json(record.bias);
     j["nonfinite"] = nonfinite_json(s.nonfinite);
+    const SampleRecords paths = retrace_notes(s);
+    j["unusable"] = noted_samples_json(s.notes->unusable, paths.unusable, *s.scene);
+    j["outliers"] = noted_samples_json(s.notes->outliers, paths.outliers, *s.scene);
     j["effects"] = effects_json(s);
     j["film_hash"] = record.film_hash;
     const AccelStats& accel = s.scene->accel().stats();

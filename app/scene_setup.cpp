@@ -4,7 +4,6 @@
 #include <cstdlib>
 
 #include "core/base/log.h"
-#include "core/io/gltf_loader.h"
 #include "core/io/image_io.h"
 #include "core/math/robust.h"
 #include "ui/data_path.h"
@@ -83,7 +82,10 @@ Result<SceneDesc> load_scene(const Options& options) {
     load.variant = options.variant;
     load.animation_time = options.animation_time;
     load.threads = options.threads;
-    Result<SceneDesc> desc = load_gltf(scene_path(options), load);
+    Result<std::shared_ptr<GltfFile>> file = GltfFile::open(scene_path(options), load);
+    if (!file) return file.error();
+    setup.file = std::move(*file);
+    Result<SceneDesc> desc = setup.file->read(load);
     if (!desc) return desc.error();
     for (const std::string& warning : desc->warnings) log_warning(warning);
     if (!options.environment.empty()) {

@@ -7,11 +7,13 @@
 #include "app/options.h"
 #include "core/base/result.h"
 #include "core/base/worker_pool.h"
+#include "core/io/gltf_loader.h"
 #include "core/scene/scene.h"
 
 namespace talbot {
 
 struct SceneSetup {
+    std::shared_ptr<GltfFile> file;  // for reading it again; holds its bytes
     std::shared_ptr<const Scene> scene;
     Camera camera;
     RenderSettings settings;

@@ -88,8 +88,8 @@ TEST(Accuracy, ExposureChangesTheMetricOfAllOctaves) {
             const ErrorEstimate before = later.estimate();
             later.set_exposure(ev, 40);
             const double asked = from_start.estimate().relrmse_percent;
-            const double truth = 100 * std::sqrt(picture.true_relmse(
-                                           metric_constant(static_cast<double>(ev))));
+            const double truth =
+                100 * std::sqrt(picture.true_relmse(metric_constant(static_cast<double>(ev))));
             const double changed = later.estimate().relrmse_percent;
             EXPECT_NEAR(changed / asked, 1, 0.05) << scene.name << " " << ev;
             EXPECT_GT(truth, 0.65 * later.estimate().lo95) << scene.name << " " << ev;

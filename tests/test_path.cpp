@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/integrate/material_eval.h"
+#include "core/scattering/medium.h"
 #include "oracles/scene_builder.h"
 
 namespace talbot {

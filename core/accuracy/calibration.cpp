@@ -179,11 +179,10 @@ CalibrationSummary summarise(const std::vector<const Calibration*>& scenes) {
     s.stops_kept = share(kept, s.stops);
     s.stop_ratio = std::exp(mean(log_stop, s.stops));
     s.stop_brightness_percent = mean(brightness, lit_stops);
-    const double spread = mean(brightness_square, lit_stops) -
-                          s.stop_brightness_percent * s.stop_brightness_percent;
+    const double spread =
+        mean(brightness_square, lit_stops) - s.stop_brightness_percent * s.stop_brightness_percent;
     s.stop_brightness_sd =
-        lit_stops < 2 ? 0
-                      : std::sqrt(std::max(0.0, spread) / static_cast<double>(lit_stops - 1));
+        lit_stops < 2 ? 0 : std::sqrt(std::max(0.0, spread) / static_cast<double>(lit_stops - 1));
     s.green = share(lights[static_cast<int>(Trust::green)], judged);
     s.amber = share(lights[static_cast<int>(Trust::amber)], judged);
     s.red = share(lights[static_cast<int>(Trust::red)], judged);
@@ -193,8 +192,8 @@ CalibrationSummary summarise(const std::vector<const Calibration*>& scenes) {
 std::vector<std::string> broken_promises(const CalibrationSummary& s, bool whole) {
     std::vector<std::string> broken;
     constexpr double kMostBrightness = 0.5;
-    if (!whole && std::abs(s.stop_brightness_percent) >
-                      std::max(kMostBrightness, 3 * s.stop_brightness_sd)) {
+    if (!whole &&
+        std::abs(s.stop_brightness_percent) > std::max(kMostBrightness, 3 * s.stop_brightness_sd)) {
         broken.push_back("renders that stopped at a target are off in brightness by " +
                          percent_text(s.stop_brightness_percent / 100) + ", promised 0.5 %");
     }

@@ -14,7 +14,7 @@ constexpr int kResamples = 400;
 constexpr double kLevel = 0.05;
 // Of the logarithm of a time ratio, while too few pairs were measured to see it.
 constexpr double kUnknownTimeSd = 0.5;
-constexpr std::size_t kLeastPairs = 3;
+constexpr std::size_t kLeastPairs = 4;
 
 struct LogRatio {
     double mean = 0;
@@ -29,7 +29,13 @@ LogRatio bootstrap(std::span<const BlockVariances> blocks) {
         a += v.a;
         b += v.b;
     }
-    LogRatio ratio{std::log(a / b), 0, static_cast<double>(blocks.size()) - 1};
+    // A few noisy blocks are a small sample, however many quiet ones stand beside them.
+    double concentration = 0;
+    for (const BlockVariances& v : blocks) {
+        const double share = 0.5 * (v.a / a + v.b / b);
+        concentration += share * share;
+    }
+    LogRatio ratio{std::log(a / b), 0, std::max(1.0, 1 / concentration - 1)};
     const uint32_t count = static_cast<uint32_t>(blocks.size());
     double sum = 0, square = 0;
     int used = 0;
@@ -53,22 +59,30 @@ LogRatio bootstrap(std::span<const BlockVariances> blocks) {
     return ratio;
 }
 
+// The trimmed mean over pairs of ln (a / b), for other work on the machine makes outliers, and its
+// standard deviation from the winsorised values (Tukey, McLaughlin 1963).
 LogRatio time_ratio(std::span<const TimePair> pairs) {
-    double sum = 0, square = 0, n = 0, all_a = 0, all_b = 0;
+    constexpr double kTrimmed = 0.2;  // at each end
+    std::vector<double> ratios;
     for (const TimePair& p : pairs) {
-        if (!(p.a > 0) || !(p.b > 0)) continue;
-        const double x = std::log(p.a / p.b);
+        if (p.a > 0 && p.b > 0) ratios.push_back(std::log(p.a / p.b));
+    }
+    if (ratios.empty()) return {0, kUnknownTimeSd};
+    std::sort(ratios.begin(), ratios.end());
+    const std::size_t count = ratios.size();
+    if (count < kLeastPairs) return {ratios[count / 2], kUnknownTimeSd};
+    const std::size_t cut = static_cast<std::size_t>(kTrimmed * static_cast<double>(count));
+    const double low = ratios[cut], high = ratios[count - 1 - cut];
+    double kept = 0, sum = 0, square = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (i >= cut && i < count - cut) kept += ratios[i];
+        const double x = std::clamp(ratios[i], low, high);
         sum += x;
         square += x * x;
-        all_a += p.a;
-        all_b += p.b;
-        n += 1;
     }
-    if (n == 0) return {0, kUnknownTimeSd};
-    if (n < kLeastPairs) return {std::log(all_a / all_b), kUnknownTimeSd};
-    const double mean = sum / n;
-    const double variance = std::max(0.0, square / n - mean * mean) / (n - 1);
-    return {mean, std::sqrt(variance), n - 1};
+    const double n = static_cast<double>(count), left = static_cast<double>(count - 2 * cut);
+    const double variance = std::max(0.0, square - sum * sum / n) / (left * (left - 1));
+    return {kept / left, std::sqrt(variance), left - 1};
 }
 
 // |z| that a standard Gaussian exceeds with this probability.

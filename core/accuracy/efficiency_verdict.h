@@ -41,8 +41,8 @@ struct TimePair {
     double b = 0;
 };
 
-// `looks` is how many verdicts the comparison has asked for so far, this one included: the more, the
-// wider the interval. Paired bootstrap over blocks, and scatter of the time pairs.
+// `looks` is how many verdicts the comparison has asked for so far, this one included: the more,
+// the wider the interval. Paired bootstrap over blocks, and scatter of the time pairs.
 EfficiencyVerdict compare_efficiency(std::span<const BlockVariances> blocks,
                                      std::span<const TimePair> times, uint64_t looks);
 

@@ -190,9 +190,9 @@ class StripPass {
         const uint32_t width = images_.width;
         std::fill(quotient_.begin(), quotient_.end(), 0.0f);
         std::fill(previous_quotient_.begin(), previous_quotient_.end(), 0.0f);
-        const uint32_t* previous =
-            images_.previous == nullptr ? nullptr
-                                        : images_.previous + static_cast<std::size_t>(y) * width;
+        const uint32_t* previous = images_.previous == nullptr
+                                       ? nullptr
+                                       : images_.previous + static_cast<std::size_t>(y) * width;
         for (int c = 0; c < 3; ++c) {
             std::fill(value_[c].begin(), value_[c].end(), 0.0f);
             std::fill(variance_[c].begin(), variance_[c].end(), 0.0f);

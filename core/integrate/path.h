@@ -26,10 +26,35 @@ struct PathSample {
     uint32_t rays = 0;
 };
 
-// Steps that a replay writes down; a kernel's recorder does nothing and costs nothing.
+// Steps that a replay writes down; a kernel's recorder does nothing and costs nothing. One that
+// tampers changes values on their way, to prove that what is wrong with a sample is noticed.
 struct NoRecorder {
     static constexpr bool kActive = false;
+    static constexpr bool kTampers = false;
 };
+
+// Values of a path that a tampering recorder is shown.
+enum class PathValue : uint8_t {
+    environment,
+    environment_pdf,
+    emission,
+    emission_pdf,
+    transmittance,
+    base_color,
+    light,
+    light_pdf,
+    bsdf_value,
+    bsdf_pdf,
+    bsdf_weight,
+    bsdf_sample_pdf,
+    survival,
+    camera_direction,
+};
+
+template <typename Recorder, typename T>
+void show_value(Recorder& recorder, PathValue what, T& value) {
+    if constexpr (Recorder::kTampers) recorder.tamper(what, value);
+}
 
 // What fills the space inside these volumes.
 inline Medium medium_inside(const MediumStack& media, std::span<const Material> materials) {
@@ -101,42 +126,56 @@ bool is_occluded(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
 }
 
 // Light of the environment that the ray escapes to.
-inline void add_environment(const RenderScene& rs, const PathSettings& settings, uint32_t bounce,
-                            const Ray& ray, PathState& path) {
+template <typename Recorder>
+void add_environment(const RenderScene& rs, const PathSettings& settings, uint32_t bounce,
+                     const Ray& ray, PathState& path, Recorder& recorder) {
     const EnvironmentLight& environment = rs.lights().environment();
     if (environment.is_black() || (bounce == 0 && settings.transparent_background)) return;
     float weight = 1;
     if (!path.specular && settings.next_event_estimation) {
-        weight = power_heuristic(path.bsdf_pdf, rs.lights().pdf_environment(ray.d));
+        float pdf = rs.lights().pdf_environment(ray.d);
+        show_value(recorder, PathValue::environment_pdf, pdf);
+        weight = power_heuristic(path.bsdf_pdf, pdf);
     }
-    path.Li += path.beta * weight * environment.eval(ray.d);
+    Rgb Le = environment.eval(ray.d);
+    show_value(recorder, PathValue::environment, Le);
+    path.Li += path.beta * weight * Le;
 }
 
 // Light that the surface itself sends back along the ray.
-inline void add_emission(const RenderScene& rs, const PathSettings& settings, const Ray& ray,
-                         const Material& material, const SurfaceInteraction& si, PathState& path) {
+template <typename Recorder>
+void add_emission(const RenderScene& rs, const PathSettings& settings, const Ray& ray,
+                  const Material& material, const SurfaceInteraction& si, PathState& path,
+                  Recorder& recorder) {
     if (!material.is_emissive()) return;
-    const Rgb Le = emitted_radiance(rs.scene(), material, si.uv[0], si.uv[1], si.front,
-                                    std::abs(dot(ray.d, si.n_geometric)));
+    Rgb Le = emitted_radiance(rs.scene(), material, si.uv[0], si.uv[1], si.front,
+                              std::abs(dot(ray.d, si.n_geometric)));
+    show_value(recorder, PathValue::emission, Le);
     if (is_black(Le)) return;
     float weight = 1;
     if (!path.specular && settings.next_event_estimation) {
-        weight = power_heuristic(path.bsdf_pdf,
-                                 rs.lights().pdf_surface(path.from, path.n_from, si.id, si.p));
+        float pdf = rs.lights().pdf_surface(path.from, path.n_from, si.id, si.p);
+        show_value(recorder, PathValue::emission_pdf, pdf);
+        weight = power_heuristic(path.bsdf_pdf, pdf);
     }
     path.Li += path.beta * weight * Le;
 }
 
 // Next-event estimation: one light, one shadow ray.
-template <EffectSet kTier>
+template <EffectSet kTier, typename Recorder>
 void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
                       const Bounce& numbers, const SurfaceInteraction& si, const Vec3f& n_lit,
                       const Bsdf<kTier>& bsdf, const Crossing& crossing, PathState& path,
-                      uint32_t& rays) {
-    const std::optional<LightSample> light =
+                      uint32_t& rays, Recorder& recorder) {
+    std::optional<LightSample> light =
         rs.lights().sample(rs.scene(), si.p, n_lit, numbers.light_choice(), numbers.light());
-    if (!light || is_black(light->radiance)) return;
-    const BsdfEval f = bsdf.eval(light->wi);
+    if (!light) return;
+    show_value(recorder, PathValue::light, light->radiance);
+    show_value(recorder, PathValue::light_pdf, light->pdf);
+    if (is_black(light->radiance)) return;
+    BsdfEval f = bsdf.eval(light->wi);
+    show_value(recorder, PathValue::bsdf_value, f.f_cos);
+    show_value(recorder, PathValue::bsdf_pdf, f.pdf);
     if (is_black(f.f_cos)) return;
     const Ray shadow =
         light->infinite ? si.spawn(light->wi) : si.spawn_to(light->target, light->id);
@@ -259,6 +298,7 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
     const Vec2f offset = sample_pixel_filter(settings.filter, sampler.pair(Purpose::pixel));
     const Vec2f lens = camera.has_lens() ? sampler.pair(Purpose::lens) : Vec2f(0);
     Ray ray = camera.ray(static_cast<float>(x) + offset.x, static_cast<float>(y) + offset.y, lens);
+    show_value(recorder, PathValue::camera_direction, ray.d);
     PathSample result;
     PathState path;
 
@@ -273,11 +313,15 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
                     cross_medium<kTier>(rs, settings, sampler, bounce, found ? hit.t : kInfinity,
                                         ray, path, result.rays);
                 if (event == MediumEvent::ended) break;
-                if (event == MediumEvent::scattered) continue;
+                if (event == MediumEvent::scattered) {
+                    if constexpr (Recorder::kActive) recorder.in_medium(bounce, ray.o, path);
+                    continue;
+                }
             }
         }
         if (!found) {
-            add_environment(rs, settings, bounce, ray, path);
+            add_environment(rs, settings, bounce, ray, path, recorder);
+            if constexpr (Recorder::kActive) recorder.seen(bounce, path);
             break;
         }
         result.covered = true;
@@ -286,8 +330,11 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         Crossing crossing;
         if constexpr (kHasVolumes<kTier>) {
             crossing.after = path.media;
-            if (!path.medium.scatters() && !is_black(path.medium.sigma_t))
-                path.beta *= transmittance(path.medium.sigma_t, hit.t);
+            if (!path.medium.scatters() && !is_black(path.medium.sigma_t)) {
+                Rgb left = transmittance(path.medium.sigma_t, hit.t);
+                show_value(recorder, PathValue::transmittance, left);
+                path.beta *= left;
+            }
             if (material.is_volume()) {
                 crossing = cross_boundary(path.media, rs.scene().materials(), si.material, si.front);
                 if (!crossing.real) {
@@ -305,10 +352,12 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
                 // Seen as it is by the camera and in mirrors; it does not light other surfaces.
                 if (path.specular_chain)
                     path.Li += path.beta * Rgb(eval_base_color<kTier>(rs.scene(), material, si));
+                if constexpr (Recorder::kActive) recorder.seen(bounce, path);
                 break;
             }
         }
-        add_emission(rs, settings, ray, material, si, path);
+        add_emission(rs, settings, ray, material, si, path, recorder);
+        if constexpr (Recorder::kActive) recorder.seen(bounce, path);
         uint32_t depth = bounce;
         if constexpr (kHasVolumes<kTier>) depth -= path.false_boundaries + path.medium_events;
         if (depth == settings.max_depth) break;
@@ -316,6 +365,7 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         // The surface: everything below sees it from wo's side.
         apply_normal_map<kTier>(rs.scene(), material, si);
         ShadingParams params = eval_shading_params<kTier>(rs.scene(), material, si);
+        show_value(recorder, PathValue::base_color, params.base_color);
         if constexpr (kTier.has(Effect::dispersion)) {
             if (material.dispersion > 0 && params.transmission > 0 && !params.thin)
                 disperse(sampler, material, params, path);
@@ -337,7 +387,7 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         const Vec3f n_lit = is_lit_through(params) ? Vec3f(0) : side * si.n_geometric;
         if (settings.next_event_estimation && bsdf.has_smooth_lobe() && rs.lights().can_sample()) {
             add_direct_light<kTier>(rs, sampler, bounce, numbers, si, n_lit, bsdf, crossing,
-                                    path, result.rays);
+                                    path, result.rays, recorder);
         }
 
         // Where the path goes on.
@@ -345,7 +395,13 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         if constexpr (kTier.has(Effect::glossy) || kTier.has(Effect::transmission)) {
             u_lobe = numbers.lobe();
         }
-        const std::optional<BsdfSample> scattered = bsdf.sample(u_lobe, numbers.bsdf());
+        std::optional<BsdfSample> scattered = bsdf.sample(u_lobe, numbers.bsdf());
+        if constexpr (Recorder::kTampers) {
+            if (scattered) {
+                recorder.tamper(PathValue::bsdf_weight, scattered->weight);
+                recorder.tamper(PathValue::bsdf_sample_pdf, scattered->pdf);
+            }
+        }
         if constexpr (Recorder::kActive)
             recorder.vertex(bounce, si, material, params, scattered, path);
         if (!scattered) break;
@@ -362,9 +418,11 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
                 path.enter(crossing.after, rs.scene().materials());
         }
 
-        if (settings.russian_roulette && bounce >= kRouletteStart &&
-            !survives(survival(path), numbers.roulette(), path))
-            break;
+        if (settings.russian_roulette && bounce >= kRouletteStart) {
+            float q = survival(path);
+            show_value(recorder, PathValue::survival, q);
+            if (!survives(q, numbers.roulette(), path)) break;
+        }
         ray = si.spawn(scattered->wi);
     }
     result.Li = path.Li;

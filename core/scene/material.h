@@ -84,6 +84,8 @@ struct Material {
     float iridescence_thickness_maximum = 400;  // where it is 1, or where there is none
     TextureSlot iridescence_thickness_texture;  // G
 
+    bool operator==(const Material&) const = default;
+
     bool is_emissive() const {
         return emissive_strength > 0 && (emissive_factor.x > 0 || emissive_factor.y > 0 || emissive_factor.z > 0);
     }

@@ -25,9 +25,9 @@ constexpr uint64_t kLevelGrowth = 4;
 constexpr uint64_t kFirstLook = 8;
 constexpr uint64_t kLevelRenders = 16;
 constexpr std::size_t kMostPairs = 512;
-constexpr uint32_t kBlock = 8;     // pixels a side, of the bootstrap
+constexpr uint32_t kBlock = 8;       // pixels a side, of the bootstrap
 constexpr uint32_t kFewBlocks = 64;  // fewer make blocks of half the size
-constexpr uint32_t kRadius = 3;    // of the window that r is the mean over
+constexpr uint32_t kRadius = 3;      // of the window that r is the mean over
 constexpr double kDifferentLevel = 0.001;
 constexpr double kNormal95 = 1.96;
 
@@ -77,7 +77,9 @@ Comparison compare_sides(const AbRender& a, const AbRender& b, const ImageRgba& 
     for (std::size_t i = 0; i < both.rgb.size(); ++i)
         both.rgb[i] = 0.5f * (image_a.rgb[i] + image_b.rgb[i]);
     const std::vector<double> r = window_means(both);
-    const auto count = [&](uint32_t side) { return ((w + side - 1) / side) * ((h + side - 1) / side); };
+    const auto count = [&](uint32_t side) {
+        return ((w + side - 1) / side) * ((h + side - 1) / side);
+    };
     const uint32_t side = count(kBlock) < kFewBlocks ? kBlock / 2 : kBlock;
     const uint32_t columns = (w + side - 1) / side;
     Comparison result;
@@ -155,8 +157,7 @@ class SideError {
         square += (samples - measured) * last.samples * last.error.relmse;
         if (!(square > 0)) return;
         side.relrmse_percent = 100 * std::sqrt(square) / samples;
-        const double factor =
-            std::exp(0.5 * kNormal95 * std::sqrt(last.error.relative_variance));
+        const double factor = std::exp(0.5 * kNormal95 * std::sqrt(last.error.relative_variance));
         side.lo95 = side.relrmse_percent / factor;
         side.hi95 = side.relrmse_percent * factor;
     }
@@ -256,9 +257,13 @@ class AbComparison::Impl {
                 measure_times();
                 look();
                 seconds_ = std::chrono::duration<double>(Clock::now() - begin).count();
-                finished = stop.stop_requested() ||
-                           (policy_.limit_seconds > 0 && seconds_ >= policy_.limit_seconds) ||
-                           (policy_.stop_when_decided && verdict_.winner != Winner::none);
+                const auto is_over = [](double seconds, double limit) {
+                    return limit > 0 && seconds >= limit;
+                };
+                finished =
+                    stop.stop_requested() || is_over(seconds_, policy_.limit_seconds) ||
+                    is_over(std::min(a.seconds(), b.seconds()), policy_.limit_side_seconds) ||
+                    (policy_.stop_when_decided && verdict_.winner != Winner::none);
                 publish(finished);
             }
         }

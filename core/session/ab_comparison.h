@@ -1,6 +1,6 @@
-// Two configurations of one view against each other for equal time: short slices of A and B in turn,
-// so that other work on the machine hits both, and a verdict on which gives less error for its
-// time. Runs on threads of its own; no call waits for a sample.
+// Two configurations of one view against each other for equal time: short slices of A and B in
+// turn, so that other work on the machine hits both, and a verdict on which gives less error for
+// its time. Runs on threads of its own; no call waits for a sample.
 #pragma once
 
 #include <cstdint>
@@ -25,6 +25,7 @@ struct AbPolicy {
     double slice_seconds = 0.1;     // of one side before the other has its turn
     double publish_seconds = 0.25;  // between two snapshots, at least
     double limit_seconds = 0;       // of rendering, both sides together; 0 = none
+    double limit_side_seconds = 0;  // of AbSide::seconds, on the side that had less; 0 = none
     bool stop_when_decided = false;
     float exposure_ev = 0;  // of the error metric
 };
@@ -54,8 +55,9 @@ class AbComparison {
     AbComparison(const AbComparison&) = delete;
     AbComparison& operator=(const AbComparison&) = delete;
 
-    // Begins anew, in the background, with nothing kept of an earlier comparison. Where both settings
-    // have one seed, both sides draw the same random numbers, so a difference shows sooner.
+    // Begins anew, in the background, with nothing kept of an earlier comparison. Where both
+    // settings have one seed, both sides draw the same random numbers, so a difference shows
+    // sooner.
     void start(std::shared_ptr<const Scene> scene, const Camera& camera, const AbConfig& a,
                const AbConfig& b, const AbPolicy& policy);
 

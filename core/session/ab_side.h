@@ -62,8 +62,8 @@ class AbRender {
     Film film_;                // of the render at hand
     uint64_t passes_ = 0;      // whole ones in film_
     std::vector<uint8_t> tile_done_;
-    std::vector<double> total_;          // sums of all whole renders' samples
-    std::vector<double> mean_, square_;  // running moments of the renders (Welford 1962)
+    std::vector<double> total_;             // sums of all whole renders' samples
+    std::vector<double> mean_, square_;     // running moments of the renders (Welford 1962)
     std::vector<uint64_t> earlier_levels_;  // their numbers of renders
     uint64_t total_samples_ = 0;
     uint64_t level_samples_ = 1;

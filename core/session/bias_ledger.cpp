@@ -48,13 +48,12 @@ class SmallView {
             if (!render_pass({scene_, camera_, settings, tier, n}, side.film, pool_, stop, {},
                              counts))
                 return std::nullopt;
-            seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
-                           .count();
+            seconds +=
+                std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             tracker.observe(side.film, n, seconds, &pool_);
         }
         side.error = tracker.estimate();
-        side.sample_seconds =
-            seconds / (kSamples * static_cast<double>(side.film.pixels().size()));
+        side.sample_seconds = seconds / (kSamples * static_cast<double>(side.film.pixels().size()));
         return side;
     }
 
@@ -103,10 +102,9 @@ double loss_after(const ConvergenceFit& biased, double biased_cost, double floor
     return start * std::exp2(high);
 }
 
-std::vector<BiasEntry> measure_bias(const std::shared_ptr<const Scene>& scene,
-                                    const Camera& camera, const RenderSettings& settings,
-                                    double exposure_ev, WorkerPool& pool,
-                                    const std::stop_token& stop) {
+std::vector<BiasEntry> measure_bias(const std::shared_ptr<const Scene>& scene, const Camera& camera,
+                                    const RenderSettings& settings, double exposure_ev,
+                                    WorkerPool& pool, const std::stop_token& stop) {
     std::vector<BiasEntry> ledger;
     const double pixels = static_cast<double>(settings.width) * settings.height;
     RenderSettings small = settings;
@@ -125,9 +123,9 @@ std::vector<BiasEntry> measure_bias(const std::shared_ptr<const Scene>& scene,
                         measure_floor(own->half, own->film, base->half, base->film, exposure_ev),
                         std::nullopt};
         if (entry.floor.significant) {
-            entry.loss_after_seconds = loss_after(
-                own->error.fit, own->sample_seconds * pixels, entry.floor.relrmse_percent,
-                base->error.fit, base->sample_seconds * pixels);
+            entry.loss_after_seconds = loss_after(own->error.fit, own->sample_seconds * pixels,
+                                                  entry.floor.relrmse_percent, base->error.fit,
+                                                  base->sample_seconds * pixels);
         }
         ledger.push_back(std::move(entry));
     }

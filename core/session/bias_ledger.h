@@ -36,11 +36,10 @@ struct BiasEntry {
 double loss_after(const ConvergenceFit& biased, double biased_cost, double floor_percent,
                   const ConvergenceFit& unbiased, double unbiased_cost);
 
-// The switches that are on, each measured on a small image of the same view; empty where none is on,
-// or when stopped. Costs some tenths of a second for each.
-std::vector<BiasEntry> measure_bias(const std::shared_ptr<const Scene>& scene,
-                                    const Camera& camera, const RenderSettings& settings,
-                                    double exposure_ev, WorkerPool& pool,
-                                    const std::stop_token& stop = {});
+// The switches that are on, each measured on a small image of the same view; empty where none is
+// on, or when stopped. Costs some tenths of a second for each.
+std::vector<BiasEntry> measure_bias(const std::shared_ptr<const Scene>& scene, const Camera& camera,
+                                    const RenderSettings& settings, double exposure_ev,
+                                    WorkerPool& pool, const std::stop_token& stop = {});
 
 }  // namespace talbot

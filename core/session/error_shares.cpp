@@ -1,5 +1,5 @@
-// With c_k the part k of a pixel and T their sum, var T = sum of cov(c_k, T): what cov(c_k, T) is of
-// it is the share of k. Variances are those between renders with seeds of their own, as in a
+// With c_k the part k of a pixel and T their sum, var T = sum of cov(c_k, T): what cov(c_k, T) is
+// of it is the share of k. Variances are those between renders with seeds of their own, as in a
 // scrambled sequence single samples are no measure.
 #include "core/session/error_shares.h"
 
@@ -87,7 +87,8 @@ class Diagnosis {
         : scene_(scene),
           settings_(settings),
           path_(path_settings(settings)),
-          camera_(camera, scene.scene().origin(), settings.width, settings.height),
+          camera_(camera, scene.scene().origin(), settings.width, settings.height,
+                  scene.scene().geometry().bounds),
           slots_(slots),
           pixels_(std::size_t{settings.width} * settings.height),
           cells_(pixels_ * 3 * (slots.count() + 1)) {}
@@ -107,7 +108,8 @@ class Diagnosis {
                 for (uint32_t x = 0; x < settings_.width; ++x) {
                     if (stop.stop_requested()) return;
                     std::fill(sums.begin(), sums.end(), 0.0);
-                    for (uint64_t s = 0; s < kSamples; ++s) rays[row] += sample(sorter, x, y, s, sums);
+                    for (uint64_t s = 0; s < kSamples; ++s)
+                        rays[row] += sample(sorter, x, y, s, sums);
                     keep(std::size_t{y} * settings_.width + x, sums);
                 }
             },
@@ -320,11 +322,20 @@ ErrorShares measure_error_shares(const std::shared_ptr<const Scene>& scene, cons
         note_help(candidate.flag, base.relmse, base.rays, other.relmse, other.rays, shares.help,
                   shares.help_factor);
     }
-    const auto by_error = [](const ErrorShare& a, const ErrorShare& b) { return a.error > b.error; };
+    const auto by_error = [](const ErrorShare& a, const ErrorShare& b) {
+        return a.error > b.error;
+    };
     const auto split = list.begin() + kPathKinds;
+    constexpr double kNothing = 0.0005, kHardly = 0.01;
+    for (ErrorShare& row : list) {
+        if (row.error < kHardly) {
+            row.help.clear();
+            row.help_factor = 1;
+        }
+    }
     shares.kinds.assign(list.begin(), split);
     for (auto row = split; row != list.end(); ++row) {
-        if (row->error != 0 || row->light != 0) shares.lights.push_back(*row);
+        if (row->error > kNothing || row->light > kNothing) shares.lights.push_back(*row);
     }
     std::stable_sort(shares.kinds.begin(), shares.kinds.end(), by_error);
     std::stable_sort(shares.lights.begin(), shares.lights.end(), by_error);

@@ -19,6 +19,7 @@ bool render_pass(const RenderPass& pass, Film& film, WorkerPool& pool, std::stop
         TileCounts counts;
     };
     std::vector<PaddedCounts> by_worker(pool.size());
+    for (PaddedCounts& c : by_worker) c.counts.log = counts.log.fork();
     const std::stop_token token = stop.get_token();
     pool.parallel_for(
         uint64_t{columns} * rows,
@@ -40,6 +41,7 @@ bool render_pass(const RenderPass& pass, Film& film, WorkerPool& pool, std::stop
         counts.samples += c.counts.samples;
         counts.rays += c.counts.rays;
         counts.nonfinite.merge(c.counts.nonfinite);
+        counts.log.merge(c.counts.log);
     }
     return !token.stop_requested();
 }

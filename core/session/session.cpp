@@ -8,9 +8,9 @@
 #include <utility>
 #include <variant>
 
-#include "core/integrate/object_ids.h"
 #include "core/session/render_pass.h"
 #include "core/session/scheduler.h"
+#include "core/session/view_layers.h"
 
 namespace talbot {
 namespace {
@@ -103,8 +103,8 @@ class RenderSession::Impl {
             {
                 std::unique_lock lock(mutex_);
                 work = next_work(schedule_state());
-                if (work.kind == WorkKind::idle && changes_.empty() && film_requests_.empty() &&
-                    !quit_) {
+                if (work.kind == WorkKind::idle && !layers_are_wanted() && changes_.empty() &&
+                    film_requests_.empty() && !quit_) {
                     wake_.wait(lock, [this] {
                         return quit_ || !changes_.empty() || !film_requests_.empty();
                     });
@@ -167,8 +167,10 @@ class RenderSession::Impl {
         const RenderScene* previous = scene_.get();
         scene_ = std::make_shared<const RenderScene>(std::move(change.scene), previous);
         camera_ = change.camera;
-        measured_rate_ = 0;
-        selection_.reset();
+        if (!change.same_objects) {
+            measured_rate_ = 0;
+            layers_.select(std::nullopt);
+        }
         restart_ = true;
     }
     void apply(SetCamera& change) {
@@ -197,10 +199,8 @@ class RenderSession::Impl {
     }
     void apply(SetPaused& change) { paused_ = change.paused; }
     void apply(SetPassLimit& change) { pass_limit_ = change.passes; }
-    void apply(SetSelection& change) {
-        selection_ = change.object;
-        object_ids_.reset();
-    }
+    void apply(SetSelection& change) { layers_.select(change.object); }
+    void apply(SetAov& change) { layers_.show(change.aov); }
     void apply(SetErrorExposure& change) { error_exposure_ = change.ev; }
     void apply(SetFilm& change) { pending_film_ = std::move(change.state); }
     void apply(Restart&) { restart_ = true; }
@@ -222,14 +222,14 @@ class RenderSession::Impl {
             effects_ = analyse_effects(scene_->scene(), camera_);
             tier_ = smallest_tier(effects_.active | settings_.forced_on);
             passes_ = 0;
-            samples_ = 0;
-            rays_ = 0;
+            samples_ = rays_ = 0;
             render_seconds_ = 0;
             nonfinite_ = {};
+            notes_ = {};
             stop_reached_ = false;
             previews_done_ = 0;
             last_divisor_ = 0;
-            object_ids_.reset();
+            layers_.restart();
             tracker_.reset(error_exposure_, settings_.first_sample);
             resumed_seconds_ = 0;
             shown_image_.reset();
@@ -237,7 +237,9 @@ class RenderSession::Impl {
         } else if (scene_ && shown_image_) {
             tracker_.set_exposure(error_exposure_, film_.width(), pool_.get());
             if (passes_ > 0 && target_met()) stop_reached_ = true;
-            if (selection_ && !object_ids_) update_object_ids();
+            if (layers_are_wanted())
+                layers_.glimpse({*scene_, camera_, settings_, *pool_}, measured_rate_,
+                                policy_.preview_seconds);
             publish(shown_image_, shown_is_preview_);
         }
     }
@@ -275,15 +277,13 @@ class RenderSession::Impl {
     double spent_seconds() const { return render_seconds_ - resumed_seconds_; }
 
     void carry_out(const Work& work) {
-        switch (work.kind) {
-            case WorkKind::idle:
-                break;
-            case WorkKind::preview:
-                render_preview(work.preview_divisor);
-                break;
-            case WorkKind::pass:
-                render_pass();
-                break;
+        if (work.kind == WorkKind::preview) {
+            render_preview(work.preview_divisor);
+        } else if (layers_are_wanted()) {
+            update_layers(work_stop_.get_token());
+            publish(shown_image_, shown_is_preview_);
+        } else if (work.kind == WorkKind::pass) {
+            render_pass();
         }
     }
 
@@ -310,6 +310,7 @@ class RenderSession::Impl {
         if (!complete) return;
         ++previews_done_;
         last_divisor_ = divisor;
+        layers_.preview({*scene_, camera_, settings_, *pool_}, width, height);
         publish(std::make_shared<const ImageRgba>(film.image(settings_.transparent_background)),
                 true);
     }
@@ -327,19 +328,21 @@ class RenderSession::Impl {
 
     void render_pass() {
         renew_film();
-        if (selection_ && !object_ids_) update_object_ids();
         const Clock::time_point start = Clock::now();
         TileCounts counts;
+        counts.log = notes_.fork();
         const bool complete = render(film_, passes_ + 1, counts);
         const double seconds = seconds_since(start);
         samples_ += counts.samples;
         rays_ += counts.rays;
         nonfinite_.merge(counts.nonfinite);
+        notes_.merge(counts.log);
         render_seconds_ += seconds;
         measured_rate_ = blended_rate(measured_rate_, counts.samples, seconds);
         if (complete) {
             ++passes_;
             tracker_.observe(film_, passes_, render_seconds_, pool_.get());
+            notes_.observe(film_, tracker_);
         }
         const bool out_of_time =
             policy_.time_limit_seconds > 0 && spent_seconds() >= policy_.time_limit_seconds;
@@ -355,14 +358,14 @@ class RenderSession::Impl {
         if (!policy_.interactive && !last && !std::has_single_bit(passes_) &&
             seconds_since(last_publish_) < 0.5)
             return;
-        publish(std::make_shared<const ImageRgba>(film_.image(settings_.transparent_background)),
-                false);
+        update_layers(work_stop_.get_token());
+        publish_film();
     }
 
-    void update_object_ids() {
-        const CameraRays camera(camera_, scene_->scene().origin(), settings_.width,
-                                settings_.height, scene_->scene().geometry().bounds);
-        object_ids_ = render_object_ids(*scene_, camera, settings_.width, settings_.height, *pool_);
+    bool layers_are_wanted() const { return shown_image_ && layers_.are_missing(); }
+    void update_layers(const std::stop_token& stop) {
+        layers_.update({*scene_, camera_, settings_, *pool_}, stop);
+        if (passes_ > 0) layers_.update_from(film_, tracker_.block_errors());
     }
 
     void publish(std::shared_ptr<const ImageRgba> image, bool preview) {
@@ -381,8 +384,10 @@ class RenderSession::Impl {
         snapshot->full_width = settings_.width;
         snapshot->full_height = settings_.height;
         snapshot->image = std::move(image);
-        if (selection_) snapshot->object_ids = object_ids_;
+        snapshot->object_ids = layers_.object_ids();
+        snapshot->aov = layers_.aov();
         snapshot->nonfinite = nonfinite_;
+        snapshot->notes = notes_.latest();
         snapshot->error = tracker_.at(passes_, render_seconds_);
         snapshot->scene = scene_->shared_scene();
         snapshot->camera = camera_;
@@ -445,22 +450,16 @@ class RenderSession::Impl {
     ErrorTracker tracker_;
     NonFiniteCount nonfinite_;
     uint64_t generation_ = 0;
-    uint64_t passes_ = 0;
-    uint64_t samples_ = 0;
-    uint64_t rays_ = 0;
-    uint64_t pass_limit_ = 0;
+    uint64_t passes_ = 0, samples_ = 0, rays_ = 0, pass_limit_ = 0;
     double render_seconds_ = 0;
     double resumed_seconds_ = 0;  // of render_seconds_, spent before this session
     std::shared_ptr<FilmState> pending_film_;
     double measured_rate_ = 0;
     float error_exposure_ = 0;
-    bool paused_ = false;
-    bool stop_reached_ = false;
-    bool restart_ = false;
-    uint32_t previews_done_ = 0;
-    uint32_t last_divisor_ = 0;
-    std::optional<uint32_t> selection_;
-    std::shared_ptr<const std::vector<uint32_t>> object_ids_;
+    bool paused_ = false, stop_reached_ = false, restart_ = false;
+    uint32_t previews_done_ = 0, last_divisor_ = 0;
+    ViewLayers layers_;
+    NoteKeeper notes_;
     std::shared_ptr<const ImageRgba> shown_image_;
     bool shown_is_preview_ = false;
     Clock::time_point last_publish_{};

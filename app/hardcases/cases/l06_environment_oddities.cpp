@@ -6,6 +6,7 @@
 #include "app/hardcases/cases/light_setup.h"
 #include "core/io/image_io.h"
 #include "core/lights/environment_light.h"
+#include "core/math/warp.h"
 #include "oracles/stats/random.h"
 
 namespace talbot::hardcases {

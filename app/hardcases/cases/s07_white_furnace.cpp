@@ -56,7 +56,7 @@ CaseImages picture(Effort effort, double& naive_worst, double& own_worst, uint64
     settings.max_depth = 1024;
     NonFiniteCount bad;
     const auto scene = builder.build(pool);
-    const uint64_t passes = effort == Effort::full ? 1024 : 32;
+    const uint64_t passes = effort == Effort::full ? 1024 : 128;
     CaseImages images;
     images.own =
         render_film(scene, camera, settings, kSize, kSize, passes, pool, -1, &bad).image(false);

@@ -195,6 +195,10 @@ class Writer {
                         ",\"attenuationColor\":" + list(m.attenuation_color);
             extend("KHR_materials_volume", body);
         }
+        if (m.scatters())
+            extend("KHR_materials_volume_scatter",
+                   "\"multiscatterColor\":" + list(m.multiscatter_color) +
+                       ",\"scatterAnisotropy\":" + number(double{m.scatter_anisotropy}));
         const Vec4f& c = m.base_color_factor;
         std::string text = "{\"pbrMetallicRoughness\":{\"baseColorFactor\":" +
                            list({double{c.x}, double{c.y}, double{c.z}, double{c.w}}) +
@@ -205,6 +209,8 @@ class Writer {
         if (m.is_emissive()) text += ",\"emissiveFactor\":" + list(m.emissive_factor);
         if (m.double_sided) text += ",\"doubleSided\":true";
         if (!extensions.empty()) text += ",\"extensions\":{" + extensions.text() + "}";
+        if (m.nested_priority != 0)
+            text += ",\"extras\":{\"nestedPriority\":" + number(double{m.nested_priority}) + "}";
         return text + "}";
     }
 
