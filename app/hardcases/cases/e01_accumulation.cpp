@@ -59,7 +59,7 @@ double bytes_lost_by_float_mean(uint64_t count) {
 }
 
 CaseResult run(Effort effort) {
-    const uint64_t count = effort == Effort::full ? 1000000000 : uint64_t{1} << 26;
+    const uint64_t count = effort == Effort::full ? 1000000000 : uint64_t{1} << 25;
     Film film(1, 1);
     NonFiniteCount counts;
     float naive = 0;
