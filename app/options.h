@@ -14,7 +14,7 @@
 
 namespace talbot {
 
-enum class Command { render, info };
+enum class Command { render, info, effects };
 
 struct PixelAddress {
     uint32_t x = 0;
@@ -49,7 +49,6 @@ struct Options {
     float environment_rotation = 0;
     RenderSettings render;
     DisplaySettings display;
-    bool all_effects = false;
     std::optional<PixelAddress> pixel;
     uint64_t sample = 0;
     bool strict = false;

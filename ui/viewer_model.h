@@ -24,6 +24,8 @@ struct ViewSettings {
     double target_error_percent = 1;  // for the prediction
 };
 
+class EffectPriceJob;
+
 struct ViewerModel {
     std::shared_ptr<const Scene> scene;  // as loaded; null before the first
     std::vector<Material> materials;     // with all edits, like everything below
@@ -37,6 +39,7 @@ struct ViewerModel {
     uint64_t pass_limit = 0;
     std::optional<uint32_t> selected_object;
     uint32_t material = 0;  // the one whose panel is open
+    std::shared_ptr<EffectPriceJob> effect_prices;  // once they were asked for
     int camera = -1;        // of the file's list; -1 = moved by hand or none
 
     // The name that the panels show for a material, never empty.

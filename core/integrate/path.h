@@ -50,10 +50,9 @@ inline constexpr bool kHasAlpha = kTier.has(Effect::alpha_mask) || kTier.has(Eff
 template <EffectSet kTier>
 bool intersect(const RenderScene& rs, const Sampler& sampler, uint32_t bounce, const Ray& ray,
                Hit& hit) {
-    const uint8_t asked =
-        kHasAlpha<kTier> ? (kCoverageAlpha | kCoverageSingleSided) : kCoverageSingleSided;
-    const uint8_t relevant =
-        rs.any_coverage() & (bounce == 0 ? asked : static_cast<uint8_t>(asked & kCoverageAlpha));
+    constexpr uint8_t kAlpha = kHasAlpha<kTier> ? kCoverageAlpha : 0;
+    constexpr uint8_t kSide = kTier.has(Effect::single_sided) ? kCoverageSingleSided : 0;
+    const uint8_t relevant = rs.any_coverage() & (bounce == 0 ? kAlpha | kSide : kAlpha);
     // Most hits need no question: the filter is asked of the nearest one, and traversal runs again
     // with it only where that one is no hit.
     if (!rs.scene().accel().closest(ray, hit)) return false;
@@ -73,8 +72,10 @@ bool is_occluded(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
 }
 
 // Light of the environment that the ray escapes to.
-inline void add_environment(const RenderScene& rs, const PathSettings& settings, uint32_t bounce,
+template <EffectSet kTier>
+void add_environment(const RenderScene& rs, const PathSettings& settings, uint32_t bounce,
                             const Ray& ray, PathState& path) {
+    if constexpr (!kTier.has(Effect::environment)) return;
     const EnvironmentLight& environment = rs.lights().environment();
     if (environment.is_black() || (bounce == 0 && settings.transparent_background)) return;
     float weight = 1;
@@ -85,9 +86,10 @@ inline void add_environment(const RenderScene& rs, const PathSettings& settings,
 }
 
 // Light that the surface itself sends back along the ray.
-inline void add_emission(const RenderScene& rs, const PathSettings& settings, const Ray& ray,
+template <EffectSet kTier>
+void add_emission(const RenderScene& rs, const PathSettings& settings, const Ray& ray,
                          const Material& material, const SurfaceInteraction& si, PathState& path) {
-    if (!material.is_emissive()) return;
+    if (!kTier.has(Effect::emissive_meshes) || !material.is_emissive()) return;
     const Rgb Le = emitted_radiance(rs.scene(), material, si.uv[0], si.uv[1], si.front,
                                     std::abs(dot(ray.d, si.n_geometric)));
     if (is_black(Le)) return;
@@ -125,8 +127,7 @@ inline void disperse(const Sampler& sampler, const Material& material, ShadingPa
         path.wavelength = hero.nanometres;
         path.beta *= hero.weight;
     }
-    if (params.ior > 1)
-        params.ior = dispersed_ior(params.ior, material.dispersion, path.wavelength);
+    params.ior = dispersed_ior(params.ior, material.dispersion, path.wavelength);
 }
 
 template <EffectSet kTier, typename Recorder>
@@ -134,7 +135,8 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
                       uint32_t x, uint32_t y, uint64_t sample_index, Recorder& recorder) {
     const Sampler sampler(settings.sampler, settings.seed, x, y, sample_index);
     const Vec2f offset = sample_pixel_filter(settings.filter, sampler.pair(Purpose::pixel));
-    const Vec2f lens = camera.has_lens() ? sampler.pair(Purpose::lens) : Vec2f(0);
+    Vec2f lens(0);
+    if (kTier.has(Effect::depth_of_field) && camera.has_lens()) lens = sampler.pair(Purpose::lens);
     Ray ray = camera.ray(static_cast<float>(x) + offset.x, static_cast<float>(y) + offset.y, lens);
     PathSample result;
     PathState path;
@@ -145,7 +147,7 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         const bool found = intersect<kTier>(rs, sampler, bounce, ray, hit);
         if constexpr (Recorder::kActive) recorder.ray(bounce, ray, found, hit, path);
         if (!found) {
-            add_environment(rs, settings, bounce, ray, path);
+            add_environment<kTier>(rs, settings, bounce, ray, path);
             break;
         }
         result.covered = true;
@@ -162,14 +164,15 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
                 break;
             }
         }
-        add_emission(rs, settings, ray, material, si, path);
+        add_emission<kTier>(rs, settings, ray, material, si, path);
         if (bounce == settings.max_depth) break;
 
         // The surface: everything below sees it from wo's side.
         apply_normal_map<kTier>(rs.scene(), material, si);
         ShadingParams params = eval_shading_params<kTier>(rs.scene(), material, si);
         if constexpr (kTier.has(Effect::dispersion)) {
-            if (material.dispersion > 0 && params.transmission > 0 && !params.thin)
+            if (material.dispersion > 0 && material.ior > 1 && params.transmission > 0 &&
+                params.metallic < 1 && !params.thin)
                 disperse(sampler, material, params, path);
         }
         const float side = si.front ? 1.0f : -1.0f;

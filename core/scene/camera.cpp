@@ -5,6 +5,7 @@
 
 #include "core/math/robust.h"
 #include "core/math/warp.h"
+#include "core/scene/compiled_effects.h"
 
 namespace talbot {
 namespace {
@@ -89,7 +90,7 @@ Ray CameraRays::ray(float px, float py, const Vec2f& lens) const {
     }
     Vec3d direction(x, y, -1);
     Vec3f origin(0);
-    if (aperture_radius_ > 0) {
+    if (kCompiledEffects.has(Effect::depth_of_field) && aperture_radius_ > 0) {
         const Vec2f disk = aperture_radius_ * sample_concentric_disk(lens);
         origin = Vec3f(disk.x, disk.y, 0.0f);
         direction = direction * static_cast<double>(focus_distance_) - Vec3d(origin);

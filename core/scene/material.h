@@ -88,6 +88,28 @@ struct Material {
     bool has_sheen() const {
         return sheen_color_factor.x > 0 || sheen_color_factor.y > 0 || sheen_color_factor.z > 0;
     }
+    bool operator==(const Material&) const = default;
+};
+
+// Every texture of a material.
+inline constexpr TextureSlot Material::*kTextureSlots[] = {
+    &Material::base_color_texture,
+    &Material::metallic_roughness_texture,
+    &Material::normal_texture,
+    &Material::emissive_texture,
+    &Material::specular_texture,
+    &Material::specular_color_texture,
+    &Material::transmission_texture,
+    &Material::diffuse_transmission_texture,
+    &Material::diffuse_transmission_color_texture,
+    &Material::clearcoat_texture,
+    &Material::clearcoat_roughness_texture,
+    &Material::clearcoat_normal_texture,
+    &Material::sheen_color_texture,
+    &Material::sheen_roughness_texture,
+    &Material::anisotropy_texture,
+    &Material::iridescence_texture,
+    &Material::iridescence_thickness_texture,
 };
 
 }  // namespace talbot

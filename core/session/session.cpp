@@ -9,6 +9,8 @@
 #include <variant>
 
 #include "core/integrate/object_ids.h"
+#include "core/integrate/tiers.h"
+#include "core/session/prepared_view.h"
 #include "core/session/render_pass.h"
 #include "core/session/scheduler.h"
 
@@ -148,7 +150,7 @@ class RenderSession::Impl {
 
     ScheduleState schedule_state() const {
         ScheduleState state;
-        state.has_scene = scene_ != nullptr;
+        state.has_scene = source_ != nullptr;
         state.interactive = policy_.interactive;
         state.paused = paused_;
         state.passes = passes_;
@@ -163,8 +165,7 @@ class RenderSession::Impl {
     }
 
     void apply(SetScene& change) {
-        const RenderScene* previous = scene_.get();
-        scene_ = std::make_shared<const RenderScene>(std::move(change.scene), previous);
+        source_ = std::move(change.scene);
         camera_ = change.camera;
         measured_rate_ = 0;
         selection_.reset();
@@ -175,16 +176,16 @@ class RenderSession::Impl {
         restart_ = true;
     }
     void apply(SetMaterial& change) {
-        if (!scene_ || change.index >= scene_->scene().materials().size()) return;
-        replace_scene(scene_->scene().with_material(change.index, std::move(change.material)));
+        if (!source_ || change.index >= source_->materials().size()) return;
+        replace_scene(source_->with_material(change.index, std::move(change.material)));
     }
     void apply(SetPunctualLight& change) {
-        if (!scene_ || change.index >= scene_->scene().punctual_lights().size()) return;
-        replace_scene(scene_->scene().with_punctual_light(change.index, std::move(change.light)));
+        if (!source_ || change.index >= source_->punctual_lights().size()) return;
+        replace_scene(source_->with_punctual_light(change.index, std::move(change.light)));
     }
     void apply(SetEnvironment& change) {
-        if (!scene_) return;
-        replace_scene(scene_->scene().with_environment(std::move(change.environment)));
+        if (!source_) return;
+        replace_scene(source_->with_environment(std::move(change.environment)));
     }
     void apply(SetSettings& change) {
         if (settings_ == change.settings) return;
@@ -209,16 +210,15 @@ class RenderSession::Impl {
     }
 
     void replace_scene(std::shared_ptr<const Scene> scene) {
-        scene_ = std::make_shared<const RenderScene>(std::move(scene), scene_.get());
+        source_ = std::move(scene);
         restart_ = true;
     }
 
     void after_changes() {
-        if (restart_ && scene_) {
+        if (restart_ && source_) {
             restart_ = false;
             film_is_stale_ = true;
-            effects_ = analyse_effects(scene_->scene(), camera_);
-            tier_ = smallest_tier(effects_.active | settings_.forced_on);
+            view_ = prepare_view(source_, camera_, settings_, *pool_, &view_);
             passes_ = 0;
             samples_ = 0;
             rays_ = 0;
@@ -232,7 +232,7 @@ class RenderSession::Impl {
             resumed_seconds_ = 0;
             shown_image_.reset();
             take_pending_film();
-        } else if (scene_ && shown_image_) {
+        } else if (source_ && shown_image_) {
             if (selection_ && !object_ids_) update_object_ids();
             publish(shown_image_, shown_is_preview_);
         }
@@ -290,7 +290,7 @@ class RenderSession::Impl {
                 return spent_seconds() + seconds_since(start) > policy_.time_limit_seconds;
             };
         }
-        return talbot::render_pass({*scene_, camera_, settings_, tier_, target}, film, *pool_,
+        return talbot::render_pass({*view_.scene, view_.camera, settings_, view_.tier, target}, film, *pool_,
                                    work_stop_, out_of_time, counts);
     }
 
@@ -311,7 +311,7 @@ class RenderSession::Impl {
 
     // Clearing the film waits until it is needed, for a preview should not wait for it.
     void renew_film() {
-        if (!film_is_stale_ || !scene_) return;
+        if (!film_is_stale_ || !source_) return;
         film_is_stale_ = false;
         if (film_.width() == settings_.width && film_.height() == settings_.height) {
             film_.clear();
@@ -355,9 +355,9 @@ class RenderSession::Impl {
     }
 
     void update_object_ids() {
-        const CameraRays camera(camera_, scene_->scene().origin(), settings_.width,
-                                settings_.height);
-        object_ids_ = render_object_ids(*scene_, camera, settings_.width, settings_.height, *pool_);
+        const CameraRays camera(view_.camera, source_->origin(), settings_.width, settings_.height);
+        object_ids_ =
+            render_object_ids(*view_.scene, camera, settings_.width, settings_.height, *pool_);
     }
 
     void publish(std::shared_ptr<const ImageRgba> image, bool preview) {
@@ -379,11 +379,11 @@ class RenderSession::Impl {
         if (selection_) snapshot->object_ids = object_ids_;
         snapshot->nonfinite = nonfinite_;
         snapshot->error = tracker_.at(passes_, render_seconds_);
-        snapshot->scene = scene_->shared_scene();
+        snapshot->scene = source_;
         snapshot->camera = camera_;
         snapshot->settings = settings_;
-        snapshot->effects = effects_;
-        snapshot->kernel = kTiers[tier_].name;
+        snapshot->effects = view_.effects;
+        snapshot->kernel = kTiers[view_.tier].name;
         shown_image_ = snapshot->image;
         shown_is_preview_ = preview;
         last_publish_ = Clock::now();
@@ -399,7 +399,7 @@ class RenderSession::Impl {
 
     // The last snapshot of a stopped session holds whatever was sampled.
     void finish() {
-        if (scene_ && samples_ > 0) {
+        if (source_ && samples_ > 0) {
             passes_ = film_.min_samples();
             publish_film();
         }
@@ -430,11 +430,10 @@ class RenderSession::Impl {
     bool stopped_ = false;
 
     // session thread
-    std::shared_ptr<const RenderScene> scene_;
+    std::shared_ptr<const Scene> source_;  // with all edits
+    PreparedView view_;                    // of it, since the last restart
     Camera camera_;
     RenderSettings settings_;
-    EffectReport effects_;
-    std::size_t tier_ = 0;
     Film film_;
     bool film_is_stale_ = false;  // it holds another state's samples
     ErrorTracker tracker_;
