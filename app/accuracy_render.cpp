@@ -38,6 +38,7 @@ Result<AccuracyScene> load_accuracy_scene(const Options& options, WorkerPool& po
     scene.name = scene_path(options).filename().string();
     scene.setup = std::move(*setup);
     scene.render_scene = std::make_shared<const RenderScene>(scene.setup.scene);
+    scene.exposure_ev = options.display.exposure_ev;
     scene.effects = analyse_effects(*scene.setup.scene, scene.setup.camera);
     return scene;
 }
@@ -49,7 +50,7 @@ MeasuredRender::MeasuredRender(const AccuracyScene& scene, const RenderSettings&
       pool_(pool),
       view_(view_of(scene, settings, pool)),
       film_(settings.width, settings.height) {
-    tracker_.reset(0);
+    tracker_.reset(scene.exposure_ev);
 }
 
 void MeasuredRender::render_unobserved(uint64_t samples) {
@@ -118,8 +119,9 @@ Result<Reference> render_reference(const AccuracyScene& scene, const RenderSetti
     return make_reference(parts);
 }
 
-double true_error_percent(const Film& film, const Reference& reference) {
-    return 100 * std::sqrt(std::max(0.0, true_relmse(film, reference, metric_constant(0))));
+double true_error_percent(const Film& film, const Reference& reference, double exposure_ev) {
+    return 100 *
+           std::sqrt(std::max(0.0, true_relmse(film, reference, metric_constant(exposure_ev))));
 }
 
 }  // namespace talbot

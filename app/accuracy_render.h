@@ -18,6 +18,7 @@ struct AccuracyScene {
     SceneSetup setup;
     std::shared_ptr<const RenderScene> render_scene;
     EffectReport effects;
+    float exposure_ev = 0;  // of the error metric
 };
 
 Result<AccuracyScene> load_accuracy_scene(const Options& options, WorkerPool& pool);
@@ -59,6 +60,6 @@ Result<Reference> render_reference(const AccuracyScene& scene, const RenderSetti
                                    uint64_t samples, const std::string& cache, WorkerPool& pool);
 
 // True relRMSE in per cent, and 0 where the difference is no more than the reference's own noise.
-double true_error_percent(const Film& film, const Reference& reference);
+double true_error_percent(const Film& film, const Reference& reference, double exposure_ev);
 
 }  // namespace talbot

@@ -7,6 +7,7 @@
 
 #include "core/base/log.h"
 #include "core/scene/effects_off.h"
+#include "core/session/bias_ledger.h"
 #include "core/session/effect_ledger.h"
 
 namespace talbot {
@@ -251,7 +252,8 @@ SweepOutcome run_sweep(const AccuracyScene& scene, const SweepPlan& plan, Worker
             const Contender& base = all.front();
             if (c.result.config.may_be_biased && base.render.samples() == n)
                 c.result.floor =
-                    measure_floor(c.half, c.render.film(), base.half, base.render.film());
+                    measure_floor(c.half, c.render.film(), base.half, base.render.film(),
+                                  static_cast<double>(scene.exposure_ev));
             c.result.curve.push_back(curve_point(c.render, {}));
         }
         if (!any) break;
@@ -272,6 +274,15 @@ SweepOutcome run_sweep(const AccuracyScene& scene, const SweepPlan& plan, Worker
         plan.target_percent > 0
             ? plan.target_percent
             : rounded_up(std::max(outcome.results[0].last.relrmse_percent, 0.01));
+    const SweepResult& base = outcome.results.front();
+    const auto cost = [](const SweepResult& r) {
+        return r.last.samples == 0 ? 0 : r.last.seconds / static_cast<double>(r.last.samples);
+    };
+    for (SweepResult& r : outcome.results) {
+        if (!r.floor.significant || !r.last.valid || !base.last.valid) continue;
+        r.loss_after_seconds =
+            loss_after(r.last.fit, cost(r), r.floor.relrmse_percent, base.last.fit, cost(base));
+    }
     for (SweepResult& r : outcome.results) r.to_target = time_to_target(r, outcome.target_percent);
     mark_pareto(outcome.results);
     std::stable_sort(outcome.results.begin(), outcome.results.end(),

@@ -211,6 +211,7 @@ bool render(RenderSession& session, const Options& options, const SceneSetup& se
             std::optional<FilmFile> resumed) {
     session.submit(SetSettings{setup.settings});
     session.submit(SetPassLimit{pass_limit(options, resumed)});
+    session.submit(SetErrorExposure{options.display.exposure_ev});
     if (resumed) {
         const FilmMetadata& m = resumed->metadata;
         session.submit(SetFilm{std::make_shared<FilmState>(
@@ -289,7 +290,7 @@ int run_headless(const Options& given, Clock::time_point process_start) {
 
     RunRecord record;
     if (!options.report.empty() || setup->settings.forced_off != EffectSet{}) {
-        record.bias = measure_bias(*setup, *pool);
+        record.bias = measure_bias(*setup, static_cast<double>(options.display.exposure_ev), *pool);
         warn_of_bias(record.bias);
     }
     RenderSession session(policy_of(options, process_start), pool);

@@ -187,8 +187,8 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
     app.add_option("--log", raw.log, "error, warning, info or debug");
     app.set_version_flag("--version", "talbot " TALBOT_VERSION);
     app.footer(
-        "Commands: talbot info SCENE [--json], talbot effects SCENE [--json], talbot compare A B, "
-        "talbot merge OUT IN...\n"
+        "Commands: talbot info SCENE [--json], talbot effects SCENE [--json], talbot accuracy SCENE, "
+        "talbot hardcases, talbot compare A B, talbot merge OUT IN...\n"
         "Exit codes: 0 done, 1 failed, 2 usage, 3 bad input file, 4 cannot write, 130 "
         "interrupted.");
 }

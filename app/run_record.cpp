@@ -2,23 +2,16 @@
 
 #include <sys/resource.h>
 
-#include <fstream>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/machine.h"
 #include "core/geometry/accel.h"
 
 namespace talbot {
 namespace {
 
 using nlohmann::ordered_json;
-
-std::string cpu_name() {
-    std::ifstream info("/proc/cpuinfo");
-    for (std::string line; std::getline(info, line);) {
-        if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
-    }
-    return "unknown";
-}
 
 double cpu_seconds(const rusage& usage) {
     const auto seconds = [](const timeval& t) {
@@ -98,7 +91,11 @@ ordered_json bias_json(const std::vector<BiasEntry>& ledger) {
                         {"hi95", entry.floor.hi95},
                         {"significant", entry.floor.significant},
                         {"block_p_value", entry.floor.block_p_value},
-                        {"brightness_percent", entry.floor.brightness_percent}});
+                        {"brightness_percent", entry.floor.brightness_percent},
+                        {"loss_after_seconds",
+                         entry.loss_after_seconds && std::isfinite(*entry.loss_after_seconds)
+                             ? ordered_json(*entry.loss_after_seconds)
+                             : ordered_json()}});
     }
     return json;
 }
@@ -147,6 +144,7 @@ std::string run_record_json(const RunRecord& record) {
                       {"lo95", s.error.lo95},
                       {"hi95", s.error.hi95},
                       {"exponent", s.error.exponent},
+                      {"exposure_ev", s.error.exposure_ev},
                       {"trust", trust_name(s.error.trust)},
                       {"why", s.error.why}};
     } else {
@@ -171,8 +169,11 @@ std::string run_record_json(const RunRecord& record) {
                   {"spheres", accel.spheres},     {"nodes", accel.nodes},
                   {"bytes", accel.bytes},         {"dropped_triangles", accel.dropped_triangles}};
     j["warnings"] = s.scene->warnings();
-    j["machine"] = {
-        {"cpu", cpu_name()}, {"compiler", "g++ " __VERSION__}, {"flags", TALBOT_BUILD_FLAGS}};
+    const Machine machine = this_machine();
+    j["machine"] = {{"cpu", machine.cpu},
+                    {"isa", machine.isa},
+                    {"compiler", machine.compiler},
+                    {"flags", machine.flags}};
     return j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 

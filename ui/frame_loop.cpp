@@ -347,6 +347,11 @@ void FrameLoop::follow_window(double now) {
 }
 
 void FrameLoop::submit_changes(double input_time) {
+    // The error is that of the image as it is exposed.
+    if (model_.scene && model_.display.exposure_ev != error_exposure_) {
+        error_exposure_ = model_.display.exposure_ev;
+        session_.submit(SetErrorExposure{error_exposure_});
+    }
     if (!edits_.any()) return;
     if (!model_.scene) return;
     for (Change& change : take_changes(model_, edits_)) {

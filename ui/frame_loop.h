@@ -118,6 +118,7 @@ class FrameLoop {
     double gl_seconds_ = 0;
     float scale_ = 0;
     uint64_t generation_ = 0;
+    float error_exposure_ = 0;  // as the session was told
     int settle_frames_ = 0;
     bool quit_ = false;
 };

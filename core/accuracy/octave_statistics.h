@@ -39,6 +39,11 @@ struct OctaveMemory {
 OctaveStatistics compare_octave(const Film& film, OctaveMemory& memory, double metric_constant,
                                 WorkerPool* pool = nullptr);
 
+// The last octave that memory holds, seen again with another constant. r comes from one image alone,
+// so compare two results of this function, not one with compare_octave's. Changes nothing.
+OctaveStatistics weigh_memory(OctaveMemory& memory, uint32_t width, double metric_constant,
+                              WorkerPool* pool = nullptr);
+
 // Shape k of a generalised Pareto distribution fitted to the excesses of the largest values (Zhang,
 // Stephens 2009, with the weak prior of Vehtari et al. 2024, appendix C). Too few or equal values
 // give 0.

@@ -39,7 +39,8 @@ bool accept_coverage(const void* context, const Ray& ray, const Hit& hit) {
         if (texels == TriangleCoverage::mixed) {
             const Material& material = scene.materials()[si.material];
             const float alpha = eval_base_color<kTier>(scene, material, si).w;
-            if (material.alpha_mode == AlphaMode::mask) return alpha >= material.alpha_cutoff;
+            if (kTier.has(Effect::alpha_mask) && material.alpha_mode == AlphaMode::mask)
+                return alpha >= material.alpha_cutoff;
             const uint32_t hash =
                 hash_combine(hash_combine(coverage.seed, hit.id.instance), hit.id.primitive);
             return unit_float(hash) < alpha;

@@ -7,10 +7,13 @@
 #pragma once
 
 #include "core/integrate/coverage.h"
+#include "core/integrate/medium_stack.h"
 #include "core/integrate/pixel_filter.h"
 #include "core/integrate/sampler.h"
 #include "core/scattering/bsdf.h"
 #include "core/scattering/dispersion.h"
+#include "core/scattering/henyey_greenstein.h"
+#include "core/scattering/medium.h"
 
 namespace talbot {
 
@@ -28,6 +31,12 @@ struct NoRecorder {
     static constexpr bool kActive = false;
 };
 
+// What fills the space inside these volumes.
+inline Medium medium_inside(const MediumStack& media, std::span<const Material> materials) {
+    const uint32_t top = media.top(materials);
+    return top == kVacuum ? Medium{} : medium_of(materials[top]);
+}
+
 // State of one path between two vertices.
 struct PathState {
     Rgb beta{1};
@@ -40,8 +49,27 @@ struct PathState {
     Vec3f from{0};               // the last vertex
     Vec3f n_from{0};             // its normal as light sampling was given it
     float wavelength = 0;        // nanometres; 0 until a dispersive surface is met
-    Rgb sigma_a{0};              // absorption of the medium that the ray crosses
+    MediumStack media;           // volumes that the ray is inside of
+    Medium medium;               // of the one that fills the space
+    uint32_t false_boundaries = 0;   // crossed ones that were no surfaces
+    uint32_t medium_events = 0;  // times that the path scattered inside media
+
+    // Goes on inside other volumes than before.
+    void enter(const MediumStack& now, std::span<const Material> materials) {
+        media = now;
+        medium = medium_inside(now, materials);
+    }
 };
+
+// Light leaves a thick body that absorbs nothing after n events about as n^-1.5: after the first of
+// these many a path survives to event n with a chance as n^-0.5, which keeps both the time and the
+// variance small; after the second it soon ends, so that none goes on for ever.
+inline constexpr uint32_t kLongWalk = 256;
+inline constexpr uint32_t kEndlessWalk = 16384;
+
+template <EffectSet kTier>
+inline constexpr bool kHasVolumes =
+    kTier.has(Effect::transmission) || kTier.has(Effect::diffuse_transmission);
 
 template <EffectSet kTier>
 inline constexpr bool kHasAlpha = kTier.has(Effect::alpha_mask) || kTier.has(Effect::alpha_blend);
@@ -105,7 +133,8 @@ void add_emission(const RenderScene& rs, const PathSettings& settings, const Ray
 template <EffectSet kTier>
 void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
                       const Bounce& numbers, const SurfaceInteraction& si, const Vec3f& n_lit,
-                      const Bsdf<kTier>& bsdf, PathState& path, uint32_t& rays) {
+                      const Bsdf<kTier>& bsdf, const Crossing& crossing, PathState& path,
+                      uint32_t& rays) {
     const std::optional<LightSample> light =
         rs.lights().sample(rs.scene(), si.p, n_lit, numbers.light_choice(), numbers.light());
     if (!light || is_black(light->radiance)) return;
@@ -116,7 +145,93 @@ void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bo
     ++rays;
     if (is_occluded<kTier>(rs, sampler, bounce, shadow)) return;
     const float weight = light->delta ? 1.0f : power_heuristic(light->pdf, f.pdf);
-    path.Li += path.beta * f.f_cos * light->radiance * (weight / light->pdf);
+    Rgb through(1);
+    if constexpr (kHasVolumes<kTier>) {
+        // A light inside a volume; from outside of all the boundary itself is in the way.
+        if (!light->infinite) {
+            const bool crosses = (dot(light->wi, si.n_geometric) > 0) != si.front;
+            const Rgb sigma =
+                crosses ? medium_inside(crossing.after, rs.scene().materials()).sigma_t
+                        : path.medium.sigma_t;
+            if (!is_black(sigma)) through = transmittance(sigma, length(light->target - si.p));
+        }
+    }
+    path.Li += path.beta * f.f_cos * light->radiance * through * (weight / light->pdf);
+}
+
+// Next-event estimation where the path scatters inside a medium.
+template <EffectSet kTier>
+void add_direct_light_in_medium(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
+                                const Bounce& numbers, const Ray& ray, const Vec3f& p,
+                                PathState& path, uint32_t& rays) {
+    const std::optional<LightSample> light =
+        rs.lights().sample(rs.scene(), p, Vec3f(0), numbers.light_choice(), numbers.light());
+    // No light from outside of all comes in unbent.
+    if (!light || light->infinite || is_black(light->radiance)) return;
+    Ray shadow;
+    shadow.o = p;
+    shadow.d = light->target - p;
+    shadow.t_max = 1;
+    shadow.skip_to = light->id;
+    ++rays;
+    if (is_occluded<kTier>(rs, sampler, bounce, shadow)) return;
+    const float phase = HenyeyGreenstein(path.medium.g).pdf(ray.d, light->wi);
+    const float weight = light->delta ? 1.0f : power_heuristic(light->pdf, phase);
+    const Rgb through = transmittance(path.medium.sigma_t, length(shadow.d));
+    path.Li += path.beta * phase * light->radiance * through * (weight / light->pdf);
+}
+
+// Russian roulette with survival probability at most 1; false ends the path.
+inline bool survives(float q, float u, PathState& path) {
+    if (!(q < 1)) return true;
+    if (u >= q) return false;
+    path.beta /= q;
+    return true;
+}
+
+// What the path can still bring.
+inline float survival(const PathState& path) {
+    return std::max(max_component(path.beta) * path.eta_scale, kMinSurvival);
+}
+
+inline float walk_survival(uint32_t event) {
+    constexpr float kLast = 0.99f;
+    const auto n = static_cast<float>(event);
+    return event > kEndlessWalk ? kLast : std::sqrt((n - 1) / n);
+}
+
+enum class MediumEvent { none, scattered, ended };
+
+// A ray inside a scattering medium, up to t_max: scatters on the way, and then `ray` is the one that
+// goes on, or reaches its end.
+template <EffectSet kTier>
+MediumEvent cross_medium(const RenderScene& rs, const PathSettings& settings,
+                         const Sampler& sampler, uint32_t bounce, float t_max, Ray& ray,
+                         PathState& path, uint32_t& rays) {
+    const MediumSample sample =
+        sample_medium(path.medium, path.beta, t_max, sampler.pair(medium_pair(bounce)));
+    path.beta *= sample.weight;
+    if (is_black(path.beta)) return MediumEvent::ended;
+    if (!sample.scattered) return MediumEvent::none;
+    const Bounce numbers = sampler.bounce(bounce);
+    const Vec3f p = ray.o + sample.t * ray.d;
+    if (settings.next_event_estimation && rs.lights().can_sample())
+        add_direct_light_in_medium<kTier>(rs, sampler, bounce, numbers, ray, p, path, rays);
+    const HenyeyGreenstein phase(path.medium.g);
+    const Vec3f wi = phase.sample(ray.d, numbers.bsdf());
+    path.bsdf_pdf = phase.pdf(ray.d, wi);
+    path.specular = false;
+    path.specular_chain = false;
+    path.from = p;
+    path.n_from = Vec3f(0);
+    float q = 1;
+    if (settings.russian_roulette && bounce >= kRouletteStart) q = survival(path);
+    if (++path.medium_events > kLongWalk) q = std::min(q, walk_survival(path.medium_events));
+    if (!survives(q, numbers.roulette(), path)) return MediumEvent::ended;
+    ray = Ray{};
+    ray.o = p;
+    ray.d = wi;
+    return MediumEvent::scattered;
 }
 
 // The index at the path's wavelength, which is drawn here if the path has none yet.
@@ -128,6 +243,14 @@ inline void disperse(const Sampler& sampler, const Material& material, ShadingPa
         path.beta *= hero.weight;
     }
     params.ior = dispersed_ior(params.ior, material.dispersion, path.wavelength);
+}
+
+// Index of a volume against what lies around it; 0 stays 0, which means Fresnel 1 everywhere.
+inline float relative_ior(float ior, const Material& around, float wavelength) {
+    float other = around.ior;
+    if (wavelength > 0 && around.dispersion > 0 && other > 1)
+        other = dispersed_ior(other, around.dispersion, wavelength);
+    return other > 0 ? ior / other : ior;
 }
 
 template <EffectSet kTier, typename Recorder>
@@ -146,6 +269,15 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         ++result.rays;
         const bool found = intersect<kTier>(rs, sampler, bounce, ray, hit);
         if constexpr (Recorder::kActive) recorder.ray(bounce, ray, found, hit, path);
+        if constexpr (kTier.has(Effect::scattering_medium)) {
+            if (path.medium.scatters()) {
+                const MediumEvent event =
+                    cross_medium<kTier>(rs, settings, sampler, bounce, found ? hit.t : kInfinity,
+                                        ray, path, result.rays);
+                if (event == MediumEvent::ended) break;
+                if (event == MediumEvent::scattered) continue;
+            }
+        }
         if (!found) {
             add_environment<kTier>(rs, settings, bounce, ray, path);
             break;
@@ -153,8 +285,22 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         result.covered = true;
         SurfaceInteraction si = make_surface_interaction<kTier>(rs.scene(), ray, hit);
         const Material& material = rs.scene().materials()[si.material];
-        if constexpr (kTier.has(Effect::volume_absorption)) {
-            if (!is_black(path.sigma_a)) path.beta *= transmittance(path.sigma_a, hit.t);
+        Crossing crossing;
+        if constexpr (kHasVolumes<kTier>) {
+            crossing.after = path.media;
+            if (!path.medium.scatters() && !is_black(path.medium.sigma_t))
+                path.beta *= transmittance(path.medium.sigma_t, hit.t);
+            if (material.is_volume()) {
+                crossing = cross_boundary(path.media, rs.scene().materials(), si.material, si.front);
+                if (!crossing.real) {
+                    // Light sampling does not see through: what lies behind is left to this path.
+                    path.enter(crossing.after, rs.scene().materials());
+                    path.specular = true;
+                    ++path.false_boundaries;
+                    ray = si.spawn(ray.d);
+                    continue;
+                }
+            }
         }
         if constexpr (kTier.has(Effect::unlit)) {
             if (material.unlit) {
@@ -165,7 +311,9 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
             }
         }
         add_emission<kTier>(rs, settings, ray, material, si, path);
-        if (bounce == settings.max_depth) break;
+        uint32_t depth = bounce;
+        if constexpr (kHasVolumes<kTier>) depth -= path.false_boundaries + path.medium_events;
+        if (depth == settings.max_depth) break;
 
         // The surface: everything below sees it from wo's side.
         apply_normal_map<kTier>(rs.scene(), material, si);
@@ -174,6 +322,11 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
             if (material.dispersion > 0 && material.ior > 1 && params.transmission > 0 &&
                 params.metallic < 1 && !params.thin)
                 disperse(sampler, material, params, path);
+        }
+        if constexpr (kHasVolumes<kTier>) {
+            if (crossing.other != kVacuum)
+                params.ior = relative_ior(params.ior, rs.scene().materials()[crossing.other],
+                                          path.wavelength);
         }
         const float side = si.front ? 1.0f : -1.0f;
         Frame frame = si.shading;
@@ -186,8 +339,8 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         const Bounce numbers = sampler.bounce(bounce);
         const Vec3f n_lit = is_lit_through(params) ? Vec3f(0) : side * si.n_geometric;
         if (settings.next_event_estimation && bsdf.has_smooth_lobe() && rs.lights().can_sample()) {
-            add_direct_light<kTier>(rs, sampler, bounce, numbers, si, n_lit, bsdf, path,
-                                    result.rays);
+            add_direct_light<kTier>(rs, sampler, bounce, numbers, si, n_lit, bsdf, crossing,
+                                    path, result.rays);
         }
 
         // Where the path goes on.
@@ -209,17 +362,12 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         if constexpr (kTier.has(Effect::transmission) || kTier.has(Effect::diffuse_transmission)) {
             path.eta_scale *= scattered->eta * scattered->eta;
             if (scattered->transmitted && !params.thin)
-                path.sigma_a = si.front ? absorption(material) : Rgb(0);
+                path.enter(crossing.after, rs.scene().materials());
         }
 
-        // Russian roulette on what the path can still bring.
-        if (settings.russian_roulette && bounce >= kRouletteStart) {
-            const float q = std::max(max_component(path.beta) * path.eta_scale, kMinSurvival);
-            if (q < 1) {
-                if (numbers.roulette() >= q) break;
-                path.beta /= q;
-            }
-        }
+        if (settings.russian_roulette && bounce >= kRouletteStart &&
+            !survives(survival(path), numbers.roulette(), path))
+            break;
         ray = si.spawn(scattered->wi);
     }
     result.Li = path.Li;

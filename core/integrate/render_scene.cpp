@@ -38,7 +38,9 @@ std::shared_ptr<const LightTable> make_lights(const Scene& scene, const RenderSc
 
 RenderScene::RenderScene(std::shared_ptr<const Scene> scene, const RenderScene* previous,
                          EffectSet forced_on)
-    : scene_(fold_scene(std::move(scene), forced_on)), lights_(make_lights(*scene_, previous)) {
+    : given_(std::move(scene)),
+      scene_(fold_scene(given_, forced_on)),
+      lights_(make_lights(*scene_, previous)) {
     const SceneGeometry& geometry = scene_->geometry();
     const std::vector<Material>& materials = scene_->materials();
     const bool exact = !forced_on.has(Effect::alpha_mask) && !forced_on.has(Effect::alpha_blend);

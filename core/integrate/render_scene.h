@@ -38,6 +38,8 @@ class RenderScene {
                 EffectSet forced_on = {});
 
     const Scene& scene() const { return *scene_; }
+    // As it was given.
+    const std::shared_ptr<const Scene>& shared_scene() const { return given_; }
     const LightTable& lights() const { return *lights_; }
     const std::shared_ptr<const LightTable>& shared_lights() const { return lights_; }
 
@@ -63,6 +65,7 @@ class RenderScene {
         CoverageLimits limits;
     };
 
+    std::shared_ptr<const Scene> given_;
     std::shared_ptr<const Scene> scene_;
     std::shared_ptr<const LightTable> lights_;
     std::vector<uint8_t> instance_coverage_;

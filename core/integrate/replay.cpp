@@ -3,8 +3,7 @@
 #include <cstdarg>
 #include <cstdio>
 
-#include "core/integrate/path.h"
-#include "core/integrate/tiers.h"
+#include "core/integrate/path_observer.h"
 
 namespace talbot {
 namespace {
@@ -22,12 +21,14 @@ double wide(float x) {
     return static_cast<double>(x);
 }
 
-struct StepRecorder {
-    static constexpr bool kActive = true;
+struct StepRecorder final : PathObserver {
     const RenderScene* scene;
     std::string log;
 
-    void ray(uint32_t bounce, const Ray& ray, bool found, const Hit& hit, const PathState& path) {
+    explicit StepRecorder(const RenderScene* s) : scene(s) {}
+
+    void ray(uint32_t bounce, const Ray& ray, bool found, const Hit& hit,
+             const PathState& path) override {
         append(log, "ray %u  origin (%.9g, %.9g, %.9g)  direction (%.9g, %.9g, %.9g)\n", bounce,
                wide(ray.o.x), wide(ray.o.y), wide(ray.o.z), wide(ray.d.x), wide(ray.d.y),
                wide(ray.d.z));
@@ -46,7 +47,7 @@ struct StepRecorder {
 
     void vertex(uint32_t bounce, const SurfaceInteraction& si, const Material& material,
                 const ShadingParams& params, const std::optional<BsdfSample>& scattered,
-                const PathState& path) {
+                const PathState& path) override {
         append(log,
                "  vertex %u  material '%s'  %s  n_geometric (%.6g, %.6g, %.6g)  n_shading (%.6g, "
                "%.6g, %.6g)\n",
@@ -76,12 +77,11 @@ struct StepRecorder {
 std::string replay_sample(const RenderScene& scene, const CameraRays& camera,
                           const PathSettings& settings, uint32_t x, uint32_t y,
                           uint64_t sample_index) {
-    StepRecorder recorder{&scene, {}};
+    StepRecorder recorder(&scene);
     append(recorder.log, "pixel %u,%u  sample %llu  seed %llu\n", x, y,
            static_cast<unsigned long long>(sample_index),
            static_cast<unsigned long long>(settings.seed));
-    const PathSample sample =
-        trace_path<kFullTier>(scene, camera, settings, x, y, sample_index, recorder);
+    const PathSample sample = observe_path(scene, camera, settings, x, y, sample_index, recorder);
     append(recorder.log, "radiance (%.9g, %.9g, %.9g) = (%a, %a, %a)  rays %u\n", wide(sample.Li.x),
            wide(sample.Li.y), wide(sample.Li.z), wide(sample.Li.x), wide(sample.Li.y),
            wide(sample.Li.z), sample.rays);

@@ -98,7 +98,7 @@ void fill_triangle_attributes(const Mesh& mesh, const SceneInstance& instance,
                               const Vec3f& e2, [[maybe_unused]] bool with_tangent,
                               SurfaceInteraction& si) {
     if constexpr (needs_uv(kTier)) {
-        for (std::size_t set = 0; set < 2; ++set) {
+        for (std::size_t set = 0; set < (kTier.has(Effect::second_uv) ? 2 : 1); ++set) {
             if (mesh.uv[set].empty()) continue;
             const std::vector<Vec2f>& uv = mesh.uv[set];
             si.uv[set] = b0 * uv[index[0]] + b1 * uv[index[1]] + b2 * uv[index[2]];

@@ -81,12 +81,12 @@ Rgb emitted_radiance(const Scene& scene, const Material& material, const Vec2f& 
                      const Vec2f& uv1, bool front, float cos_theta) {
     if (!front && !material.double_sided) return Rgb(0);
     Rgb radiance = material.emissive_factor * material.emissive_strength;
-    if (material.emissive_texture.used()) {
+    if (kCompiledEffects.has(Effect::emissive_texture) && material.emissive_texture.used()) {
         const TextureSlot& slot = material.emissive_texture;
         const Vec2f uv = slot.apply(slot.uv_set == 0 ? uv0 : uv1);
         radiance *= Rgb(eval_texture(scene.textures()[slot.texture], uv, TextureEncoding::srgb));
     }
-    if (material.clearcoat_factor > 0) {
+    if (kCompiledEffects.has(Effect::clearcoat) && material.clearcoat_factor > 0) {
         float coat = material.clearcoat_factor;
         if (material.clearcoat_texture.used()) {
             const TextureSlot& slot = material.clearcoat_texture;

@@ -96,6 +96,7 @@ void note_material(EffectReport& report, const Material& material, const std::st
         is_finite(material.attenuation_distance) && material.attenuation_color != Rgb(1)) {
         report.note(Effect::volume_absorption, who);
     }
+    if (material.scatters()) report.note(Effect::scattering_medium, who);
     note_layers(report, material, who);
 }
 

@@ -59,13 +59,13 @@ class Folder {
             drop(slot);
         }
     }
-    // The same where a factor of zero would make another thing of a volume: those stay.
+    // The same; but what a volume is, as boundaries see it, must not depend on the texture.
     void fold_volume_channel(Material& m, float Material::*factor, TextureSlot& slot,
                              int channel) const {
         Material folded = m;
         TextureSlot rest = slot;
         fold_channel(folded.*factor, rest, channel);
-        if (folded.is_volume() != m.is_volume() && !m.double_sided) return;
+        if (folded.is_volume() != m.is_volume()) return;
         m.*factor = folded.*factor;
         slot = rest;
     }

@@ -43,6 +43,7 @@ Material material_without(Material m, EffectSet off) {
         m.transmission_factor = 0;
     if (off.has(Effect::volume_absorption))
         m.attenuation_distance = std::numeric_limits<float>::infinity();
+    if (off.has(Effect::scattering_medium)) m.multiscatter_color = Rgb(0);
     if (off.has(Effect::unlit)) m.unlit = false;
     if (off.has(Effect::diffuse_transmission)) m.diffuse_transmission_factor = 0;
     if (off.has(Effect::clearcoat)) m.clearcoat_factor = 0;

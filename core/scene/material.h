@@ -11,6 +11,9 @@ namespace talbot {
 
 enum class AlphaMode : uint8_t { opaque, mask, blend };
 
+// The least isotropic scattering that is told from none.
+inline constexpr float kLargestAnisotropy = 1 - 0x1p-16f;
+
 struct Material {
     std::string name;
 
@@ -46,6 +49,10 @@ struct Material {
     float thickness_factor = 0;  // KHR_materials_volume; 0 = thin-walled, > 0 = closed volume
     Rgb attenuation_color{1};    // white light's colour after attenuation_distance metres of world length
     float attenuation_distance = std::numeric_limits<float>::infinity();
+
+    Rgb multiscatter_color{0};     // KHR_materials_volume_scatter: what a thick body returns; volumes only
+    float scatter_anisotropy = 0;  // Henyey-Greenstein's g, in (-1, 1)
+    float nested_priority = 0;     // extras.nestedPriority: where volumes overlap, the highest fills the space
 
     float dispersion = 0;  // KHR_materials_dispersion: 20 / Abbe number; volumes only
 
@@ -84,6 +91,12 @@ struct Material {
     bool is_volume() const {
         return (transmission_factor > 0 || diffuse_transmission_factor > 0) &&
                thickness_factor > 0;
+    }
+    // Whether the volume scatters light inside. Without attenuation there is nothing to scatter.
+    bool scatters() const {
+        return is_volume() && attenuation_distance < std::numeric_limits<float>::infinity() &&
+               (multiscatter_color.x > 0 || multiscatter_color.y > 0 || multiscatter_color.z > 0) &&
+               attenuation_color != Rgb(1);
     }
     bool has_sheen() const {
         return sheen_color_factor.x > 0 || sheen_color_factor.y > 0 || sheen_color_factor.z > 0;

@@ -95,7 +95,8 @@ Vec4f eval_texture(const Texture& texture, const Vec2f& uv, TextureEncoding enco
     }
     const TexelPair x = texel_pair(u, image.width, texture.wrap_u);
     const TexelPair y = texel_pair(v, image.height, texture.wrap_v);
-    // In this form equal texels give exactly their value, whatever the weights.
+    // In this form equal texels give exactly their value in every channel, whatever the weights:
+    // weights that sum to 1 only up to rounding would leave traces in an even area.
     const auto between = [](const Vec4f& a, const Vec4f& b, float weight) {
         return a + (b - a) * weight;
     };

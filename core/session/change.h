@@ -42,6 +42,11 @@ struct SetPassLimit {
 struct SetSelection {
     std::optional<uint32_t> object;  // asks for object ids in the snapshots while set
 };
+// The exposure that the error is measured after. A display setting: it restarts nothing, and the
+// error follows with the next snapshot.
+struct SetErrorExposure {
+    float ev = 0;
+};
 // The next restart begins with these samples instead of none; submitted before the SetScene that it
 // belongs to. Its size must be that of the settings, else it is ignored. The state is moved from.
 struct SetFilm {
@@ -50,6 +55,6 @@ struct SetFilm {
 struct Restart {};
 
 using Change = std::variant<SetScene, SetCamera, SetMaterial, SetPunctualLight, SetEnvironment, SetSettings, SetPaused,
-                            SetPassLimit, SetSelection, SetFilm, Restart>;
+                            SetPassLimit, SetSelection, SetErrorExposure, SetFilm, Restart>;
 
 }  // namespace talbot

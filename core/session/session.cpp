@@ -36,7 +36,8 @@ class RenderSession::Impl {
 
     uint64_t submit(Change change) {
         const std::lock_guard lock(mutex_);
-        const bool harmless = std::holds_alternative<SetPassLimit>(change);
+        const bool harmless = std::holds_alternative<SetPassLimit>(change) ||
+                              std::holds_alternative<SetErrorExposure>(change);
         changes_.push_back(std::move(change));
         if (work_is_interruptible_ && !harmless) work_stop_.request_stop();
         wake_.notify_all();
@@ -201,6 +202,7 @@ class RenderSession::Impl {
         selection_ = change.object;
         object_ids_.reset();
     }
+    void apply(SetErrorExposure& change) { error_exposure_ = change.ev; }
     void apply(SetFilm& change) { pending_film_ = std::move(change.state); }
     void apply(Restart&) { restart_ = true; }
 
@@ -228,11 +230,13 @@ class RenderSession::Impl {
             previews_done_ = 0;
             last_divisor_ = 0;
             object_ids_.reset();
-            tracker_.reset(0, settings_.first_sample);
+            tracker_.reset(error_exposure_, settings_.first_sample);
             resumed_seconds_ = 0;
             shown_image_.reset();
             take_pending_film();
         } else if (source_ && shown_image_) {
+            tracker_.set_exposure(error_exposure_, film_.width(), pool_.get());
+            if (passes_ > 0 && target_met()) stop_reached_ = true;
             if (selection_ && !object_ids_) update_object_ids();
             publish(shown_image_, shown_is_preview_);
         }
@@ -251,6 +255,7 @@ class RenderSession::Impl {
         resumed_seconds_ = state->render_seconds;
         nonfinite_ = state->nonfinite;
         tracker_.restore(std::move(state->error));
+        tracker_.set_exposure(error_exposure_, film_.width(), pool_.get());
         if (passes_ == 0) return;
         stop_reached_ = target_met();
         publish_film();
@@ -447,6 +452,7 @@ class RenderSession::Impl {
     double resumed_seconds_ = 0;  // of render_seconds_, spent before this session
     std::shared_ptr<FilmState> pending_film_;
     double measured_rate_ = 0;
+    float error_exposure_ = 0;
     bool paused_ = false;
     bool stop_reached_ = false;
     bool restart_ = false;

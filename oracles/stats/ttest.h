@@ -1,7 +1,7 @@
 // Student's test of one mean and Welch's test of two, for few samples.
 #pragma once
 
-#include "tests/stats/ztest.h"
+#include "oracles/stats/ztest.h"
 
 namespace talbot::stats {
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "tests/stats/distribution_tails.h"
+#include "oracles/stats/distribution_tails.h"
 
 namespace talbot::stats {
 

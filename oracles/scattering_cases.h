@@ -1,18 +1,15 @@
-// Surfaces that the tests of scattering/ share, and their integrals by quadrature.
+// Surfaces of every kind, and their integrals by quadrature.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "core/scattering/bsdf.h"
-#include "tests/stats/sphere_cells.h"
+#include "oracles/stats/sphere_cells.h"
 
 namespace talbot {
 
-inline constexpr EffectSet kMatteTier{};
-inline constexpr EffectSet kOpaqueTier = EffectSet{} | Effect::glossy | Effect::specular;
-inline constexpr EffectSet kFullTier = EffectSet::all();
-using FullBsdf = Bsdf<kFullTier>;
+using FullBsdf = Bsdf<EffectSet::all()>;
 
 struct ScatteringCase {
     std::string name;
@@ -211,6 +208,19 @@ inline double albedo(const ScatteringCase& c, const View& v) {
         sum += static_cast<double>(mean_component(s.weight) * s.pdf * s.eta * s.eta);
     }
     return sum;
+}
+
+// Albedo of a view averaged over azimuths of the tilt.
+inline double tilted_albedo(const ScatteringCase& c, float mu, float tilt, double& lowest) {
+    constexpr int kAzimuths = 4;
+    double sum = 0;
+    for (int k = 0; k < kAzimuths; ++k) {
+        const double a =
+            albedo(c, {mu, tilt, (static_cast<float>(k) + 0.25f) * (2 * kPi / kAzimuths)});
+        lowest = std::min(lowest, a);
+        sum += a;
+    }
+    return sum / kAzimuths;
 }
 
 }  // namespace talbot

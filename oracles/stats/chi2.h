@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/stats/distribution_tails.h"
+#include "oracles/stats/distribution_tails.h"
 
 namespace talbot::stats {
 

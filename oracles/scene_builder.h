@@ -46,6 +46,7 @@ class SceneBuilder {
     void light(const PunctualLight& light) { desc_.lights.push_back(light); }
     void environment(const Rgb& color) { desc_.environment.color = color; }
     SceneDesc& desc() { return desc_; }
+    const SceneDesc& desc() const { return desc_; }
 
     // A parallelogram with corner p and edges a, b; front side along cross(a, b).
     static Mesh quad(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
