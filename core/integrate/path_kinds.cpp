@@ -1,5 +1,7 @@
 #include "core/integrate/path_kinds.h"
 
+#include "core/integrate/tiers.h"
+
 namespace talbot {
 namespace {
 
