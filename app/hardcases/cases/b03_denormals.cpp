@@ -7,7 +7,7 @@
 #include "app/hardcases/worst.h"
 #include "core/accuracy/metrics.h"
 #include "core/base/float_probe.h"
-#include "tests/scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot::hardcases {
 namespace {

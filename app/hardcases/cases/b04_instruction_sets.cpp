@@ -6,7 +6,7 @@
 
 #include "app/hardcases/cases/b_traversal_rays.h"
 #include "core/math/robust.h"
-#include "tests/scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot::hardcases {
 namespace {

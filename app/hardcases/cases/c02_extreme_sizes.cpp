@@ -4,7 +4,7 @@
 #include "app/hardcases/worst.h"
 #include "app/options.h"
 #include "core/math/robust.h"
-#include "tests/scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot::hardcases {
 namespace {

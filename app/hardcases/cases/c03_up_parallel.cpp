@@ -3,7 +3,7 @@
 
 #include "app/hardcases/worst.h"
 #include "core/math/robust.h"
-#include "tests/scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot::hardcases {
 namespace {
@@ -81,9 +81,8 @@ CaseResult run(Effort effort) {
             const double allowed = 2 * std::numbers::pi / steps;
             const auto where = [&] { return "phi " + std::to_string(orbit.phi_degrees); };
             jump.add(length(a.right - before.right) / allowed, where);
+            naive_jump.add(length(n.right - naive_before.right) / allowed, where);
         }
-        if (i > 0)
-            naive_jump.add(length(n.right - naive_before.right) / (2 * std::numbers::pi / steps));
         before = a;
         naive_before = n;
     }

@@ -23,7 +23,7 @@ struct Spread {
 Spread spread(Draw& draw, double mean, double deviation, double constant) {
     Film film(kSide, kSide);
     NonFiniteCount counts;
-    OctaveMemory memory{std::vector<Rgb>(film.pixels().size()), {}};
+    OctaveMemory memory{std::vector<Vec3d>(film.pixels().size()), {}};
     Spread s;
     long double difference = 0;
     long double variance = 0;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "app/hardcases/worst.h"
-#include "tests/scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot::hardcases {
 namespace {

@@ -6,7 +6,7 @@
 #include "app/hardcases/worst.h"
 #include "core/integrate/replay.h"
 #include "core/math/robust.h"
-#include "tests/scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot::hardcases {
 namespace {

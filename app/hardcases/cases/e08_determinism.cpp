@@ -4,7 +4,7 @@
 
 #include "app/hardcases/worst.h"
 #include "core/session/render_pass.h"
-#include "tests/scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot::hardcases {
 namespace {
