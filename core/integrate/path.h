@@ -167,8 +167,8 @@ void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bo
                       const Bounce& numbers, const SurfaceInteraction& si, const Vec3f& n_lit,
                       const Bsdf<kTier>& bsdf, const Crossing& crossing, PathState& path,
                       uint32_t& rays, Recorder& recorder) {
-    std::optional<LightSample> light =
-        rs.lights().sample(rs.scene(), si.p, n_lit, numbers.light_choice(), numbers.light());
+    std::optional<LightSample> light = rs.lights().sample(
+        rs.scene(), si.lit_point(), n_lit, numbers.light_choice(), numbers.light());
     if (!light) return;
     show_value(recorder, PathValue::light, light->radiance);
     show_value(recorder, PathValue::light_pdf, light->pdf);
@@ -382,10 +382,12 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
             frame.n = -frame.n;
             frame.t = -frame.t;
         }
-        const Bsdf<kTier> bsdf(params, frame, side * si.n_geometric, -ray.d,
-                               si.front || params.thin);
+        const bool lit_through = is_lit_through(params);
+        if (lit_through) si.lift = Vec3f(0);
+        const Vec3f n_surface = side * si.n_surface();
+        const Bsdf<kTier> bsdf(params, frame, n_surface, -ray.d, si.front || params.thin);
         const Bounce numbers = sampler.bounce(bounce);
-        const Vec3f n_lit = is_lit_through(params) ? Vec3f(0) : side * si.n_geometric;
+        const Vec3f n_lit = lit_through ? Vec3f(0) : n_surface;
         if (settings.next_event_estimation && bsdf.has_smooth_lobe() && rs.lights().can_sample()) {
             add_direct_light<kTier>(rs, sampler, bounce, numbers, si, n_lit, bsdf, crossing,
                                     path, result.rays, recorder);
@@ -411,7 +413,7 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         path.bsdf_pdf = scattered->pdf;
         path.specular = scattered->delta;
         path.specular_chain = path.specular_chain && scattered->delta;
-        path.from = si.p;
+        path.from = si.lit_point();
         path.n_from = n_lit;
         if constexpr (kTier.has(Effect::transmission) || kTier.has(Effect::diffuse_transmission)) {
             path.eta_scale *= scattered->eta * scattered->eta;

@@ -114,7 +114,8 @@ void LightTable::make_choice(const Scene& scene) {
     powers.reserve(lights_.size());
     for (const Light& light : lights_) powers.push_back(light.power);
     choice_ = DiscreteDistribution(powers);
-    if (lights_.size() < kTreeLights || choice_.is_empty()) return;
+    const auto sends = [](double power) { return power > 0; };
+    if (std::count_if(powers.begin(), powers.end(), sends) < kTreeLights) return;
     std::vector<LightBounds> bounds;
     bounds.reserve(lights_.size());
     double placed = 0;
