@@ -25,6 +25,8 @@ SOURCES = {
     "environment_image": ["core/lights/light_table.cpp", "core/lights/environment_light.cpp"],
     "punctual_lights": ["core/lights/light_table.cpp"],
     "emissive_meshes": ["core/lights/light_table.cpp"],
+    "emissive_texture": ["core/lights/light_table.cpp"],
+    "clearcoat": ["core/lights/light_table.cpp"],
     "analytic_spheres": ["core/lights/light_table.cpp"],
     "depth_of_field": ["core/scene/camera.cpp"],
 }
@@ -156,7 +158,8 @@ def make_scene(effect, path):
 
 
 KERNELS = {
-    "full": ["iridescence", "anisotropy", "clearcoat", "sheen", "diffuse_transmission", "dispersion"],
+    "full": ["iridescence", "anisotropy", "clearcoat", "sheen", "diffuse_transmission", "dispersion",
+             "scattering_medium"],
     "textured": ["normal_map", "vertex_color", "second_uv", "uv_transform", "metallic_roughness_texture",
                  "emissive_texture", "base_color_texture"],
     "transmissive": ["transmission", "thin_wall", "volume_absorption", "alpha_mask", "alpha_blend", "unlit"],

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/session/prepared_view.h"
-#include "tests/scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot {
 
@@ -130,6 +130,7 @@ inline Material effect_material(Effect effect, SceneDesc& desc) {
             m.roughness_factor = 0.2f;
             break;
         case Effect::volume_absorption:
+        case Effect::scattering_medium:
         case Effect::dispersion:
             m.base_color_factor = Vec4f(1);
             m.transmission_factor = m.specular_factor = m.thickness_factor = 1;
@@ -139,6 +140,7 @@ inline Material effect_material(Effect effect, SceneDesc& desc) {
             } else {
                 m.attenuation_distance = 0.5f;
                 m.attenuation_color = Rgb(0.2f, 0.8f, 0.5f);
+                if (effect == Effect::scattering_medium) m.multiscatter_color = Rgb(0.8f);
             }
             break;
         case Effect::unlit:
@@ -208,7 +210,7 @@ inline EffectScene make_effect_scene(Effect effect, WorkerPool& pool) {
         wall = textured_quad(Vec3f(1, -1, 0), Vec3f(-2, 0, 0), Vec3f(0, 2, 0));
     if (effect == Effect::vertex_color)
         wall.colors = {Vec4f(1, 0, 0, 1), Vec4f(0, 1, 0, 1), Vec4f(0, 0, 1, 1), Vec4f(1)};
-    if (effect == Effect::volume_absorption) {
+    if (effect == Effect::volume_absorption || effect == Effect::scattering_medium) {
         builder.mesh(SceneBuilder::box(Vec3f(-0.8f), Vec3f(0.8f)), material);
     } else if (effect == Effect::dispersion || effect == Effect::analytic_spheres) {
         builder.sphere(Vec3d(0), 0.9, material);

@@ -6,7 +6,7 @@
 #include "core/scene/effects_fold.h"
 #include "core/session/session.h"
 #include "tests/effect_scenes.h"
-#include "tests/stats/random.h"
+#include "oracles/stats/random.h"
 
 namespace talbot {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/scene/effects_fold.h"
 #include "tests/effect_scenes.h"
-#include "tests/stats/random.h"
+#include "oracles/stats/random.h"
 
 namespace talbot {
 namespace {
@@ -66,6 +66,9 @@ class MaterialFuzzer {
             m.thickness_factor = coin() ? 0.0f : factor();
             m.attenuation_color = color();
             if (coin()) m.attenuation_distance = 0.1f + factor();
+            if (random_() < 0.3f) m.multiscatter_color = color();
+            m.scatter_anisotropy = coin() ? 0.0f : 0.8f;
+            m.nested_priority = std::floor(2 * random_());
             m.ior = coin() ? 1.5f : (coin() ? 1.0f : 1 + factor());
             if (random_() < 0.1f) m.ior = 0;
             m.dispersion = coin() ? 0.0f : 5 * factor();
