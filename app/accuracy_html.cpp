@@ -73,11 +73,13 @@ report.results.forEach((r,i)=>{const c=r.curve.filter(p=>p.lo95>0&&p.seconds>0),
    'class':'point'},g);
   dot.addEventListener('mouseenter',e=>{tip.textContent=r.configuration+'\n'+p.samples+' samples, '+
    figure(p.seconds)+' s\nerror '+figure(p.relrmse_percent)+' % ('+figure(p.lo95)+' to '+figure(p.hi95)+
-   ')';tip.style.display='block';tip.style.left=e.clientX+12+'px';tip.style.top=e.clientY+12+'px';});
+   ')';tip.style.display='block';
+   tip.style.left=Math.min(e.clientX+12,document.documentElement.clientWidth-tip.offsetWidth-8)+'px';
+   tip.style.top=Math.min(e.clientY+12,innerHeight-tip.offsetHeight-8)+'px';});
   dot.addEventListener('mouseleave',()=>{tip.style.display='none';});});});}
 if(report.why){const body=document.querySelector('#why tbody');document.getElementById('why').hidden=false;
  [report.why.kinds,report.why.lights].forEach(list=>list.forEach(s=>{const row=body.insertRow();
-  [s.name,(100*s.error_share).toFixed(1)+' %',(100*s.light_share).toFixed(1)+' %',
+  [s.label,(100*s.error_share).toFixed(1)+' %',(100*s.light_share).toFixed(1)+' %',
    s.help?s.help+': '+figure(s.help_factor)+'x':''].forEach(t=>{row.insertCell().textContent=t;});}));}
 const left=document.getElementById('left'),right=document.getElementById('right');
 const chooser=(select,pick)=>{pictures.images.forEach((p,i)=>select.add(new Option(p.name,i)));
@@ -88,7 +90,8 @@ const over=document.querySelector('.over'),range=document.getElementById('range'
 const show=()=>{left.src=pictures.images[a.value].url;right.src=pictures.images[b.value].url;wipe();};
 const wipe=()=>{const w=document.querySelector('.wipe').clientWidth;over.style.width=w*range.value/100+'px';};
 [a,b].forEach(s=>s.addEventListener('change',show));range.addEventListener('input',wipe);
-right.addEventListener('load',wipe);show();
+right.addEventListener('load',()=>{const w=Math.max(480,right.naturalWidth)+'px';
+ left.style.width=w;right.style.width=w;wipe();});show();
 document.getElementById('copy').addEventListener('click',()=>{
  const text=document.getElementById('command').textContent;
  if(navigator.clipboard)navigator.clipboard.writeText(text);});

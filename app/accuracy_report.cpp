@@ -66,6 +66,7 @@ ordered_json shares_json(const ErrorShares& shares) {
         ordered_json json = ordered_json::array();
         for (const ErrorShare& s : list) {
             json.push_back({{"name", s.name},
+                            {"label", s.label},
                             {"error_share", s.error},
                             {"error_share_sd", s.error_sd},
                             {"light_share", s.light},

@@ -15,6 +15,7 @@
 #include "app/viewer.h"
 #include "core/io/film_file.h"
 #include "core/io/image_io.h"
+#include "core/scene/effects_off.h"
 #include "core/session/session.h"
 
 namespace talbot {
@@ -138,10 +139,13 @@ bool wait_for_end(RenderSession& session, uint64_t generation, const Options& op
 }
 
 Metadata metadata_of(const Snapshot& s) {
-    return {{"Software", "Talbot " TALBOT_VERSION},
-            {"Scene", s.scene->file()},
-            {"Samples", std::to_string(s.passes)},
-            {"Seed", std::to_string(s.settings.seed)}};
+    Metadata metadata{{"Software", "Talbot " TALBOT_VERSION},
+                      {"Scene", s.scene->file()},
+                      {"Samples", std::to_string(s.passes)},
+                      {"Seed", std::to_string(s.settings.seed)}};
+    const EffectSet off = s.settings.forced_off & s.effects.active;
+    if (off != EffectSet{}) metadata.push_back({"EffectsForcedOff", effect_names(off)});
+    return metadata;
 }
 
 Status write_image(const std::string& file, const Snapshot& s, const DisplaySettings& display,
@@ -261,6 +265,24 @@ int finish(const Options& options, RenderSession& session, WorkerPool& pool, Run
 
 }  // namespace
 
+// Effects that are forced off although the scene has them.
+void warn_of_bias(const std::vector<BiasEntry>& bias) {
+    for (const BiasEntry& entry : bias) {
+        if (!entry.name.starts_with("effects ")) continue;
+        char size[120];
+        if (entry.floor.significant) {
+            std::snprintf(size, sizeof(size),
+                          "is biased: it cannot come nearer than %.3g %% to the true picture "
+                          "(brightness %+.3g %%)",
+                          entry.floor.relrmse_percent, entry.floor.brightness_percent);
+        } else {
+            std::snprintf(size, sizeof(size), "may be biased, by at most %.3g %%",
+                          entry.floor.hi95);
+        }
+        log_warning("--" + entry.name + ": the picture " + size);
+    }
+}
+
 int run_headless(const Options& given, Clock::time_point process_start) {
     catch_signals(leave_at_once);
     if (Status status = check_outputs(given); !status) return report_error(status.error());
@@ -277,8 +299,10 @@ int run_headless(const Options& given, Clock::time_point process_start) {
     }
 
     RunRecord record;
-    if (!options.report.empty())
+    if (!options.report.empty() || setup->settings.forced_off != EffectSet{}) {
         record.bias = measure_bias(*setup, static_cast<double>(options.display.exposure_ev), *pool);
+        warn_of_bias(record.bias);
+    }
     RenderSession session(policy_of(options, process_start), pool);
     catch_signals(on_signal);
     record.interrupted = render(session, options, *setup, std::move(*resumed));

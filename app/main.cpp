@@ -11,6 +11,7 @@
 
 #include "app/accuracy.h"
 #include "app/compare.h"
+#include "app/effects.h"
 #include "app/exit_code.h"
 #include "app/hardcases/command.h"
 #include "app/headless.h"
@@ -57,6 +58,7 @@ int run(int argc, char** argv, std::chrono::steady_clock::time_point start) {
     const Options& options = **parsed;
     set_log_level(options.log_level);
     if (options.command == Command::info) return run_info(options);
+    if (options.command == Command::effects) return run_effects(options);
     if (options.pixel) return run_replay(options);
     if (!options.interact.empty()) return run_script(options);
     if (options.headless() || !options.screenshot.empty()) return run_headless(options, start);

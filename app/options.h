@@ -15,7 +15,7 @@
 
 namespace talbot {
 
-enum class Command { render, info };
+enum class Command { render, info, effects };
 
 struct PixelAddress {
     uint32_t x = 0;
@@ -50,7 +50,6 @@ struct Options {
     float environment_rotation = 0;
     RenderSettings render;
     DisplaySettings display;
-    bool all_effects = false;
     std::vector<Aov> aovs;  // layers of .exr outputs
     std::optional<PixelAddress> pixel;
     uint64_t sample = 0;

@@ -50,7 +50,19 @@ ordered_json effects_json(const Snapshot& s) {
             inactive.push_back(info.name);
         }
     }
-    return {{"active", active}, {"inactive", inactive}, {"witness", witness}, {"kernel", s.kernel}};
+    const auto names = [](EffectSet set) {
+        ordered_json list = ordered_json::array();
+        for (const EffectInfo& info : kEffects) {
+            if (set.has(info.effect)) list.push_back(info.name);
+        }
+        return list;
+    };
+    return {{"active", active},
+            {"inactive", inactive},
+            {"forced_on", names(s.settings.forced_on)},
+            {"forced_off", names(s.settings.forced_off)},
+            {"witness", witness},
+            {"kernel", s.kernel}};
 }
 
 ordered_json environment_json(const Environment& e) {

@@ -76,7 +76,7 @@ Result<Camera> choose_camera(const Options& options, const Scene& scene) {
                           : known + " (or an index below " + std::to_string(cameras.size()) + ")")};
 }
 
-Result<SceneDesc> load_scene(const Options& options) {
+Result<SceneDesc> load_scene(const Options& options, std::shared_ptr<GltfFile>* kept) {
     LoadOptions load;
     load.scene = options.scene_name;
     load.variant = options.variant;
@@ -84,8 +84,7 @@ Result<SceneDesc> load_scene(const Options& options) {
     load.threads = options.threads;
     Result<std::shared_ptr<GltfFile>> file = GltfFile::open(scene_path(options), load);
     if (!file) return file.error();
-    setup.file = std::move(*file);
-    Result<SceneDesc> desc = setup.file->read(load);
+    Result<SceneDesc> desc = (*file)->read(load);
     if (!desc) return desc.error();
     for (const std::string& warning : desc->warnings) log_warning(warning);
     if (!options.environment.empty()) {
@@ -96,13 +95,14 @@ Result<SceneDesc> load_scene(const Options& options) {
     } else {
         desc->environment.rotation_degrees = options.environment_rotation;
     }
+    if (kept) *kept = std::move(*file);
     return desc;
 }
 
 Result<SceneSetup> set_up_scene(const Options& options, WorkerPool& pool) {
     SceneSetup setup;
     const auto start = std::chrono::steady_clock::now();
-    Result<SceneDesc> desc = load_scene(options);
+    Result<SceneDesc> desc = load_scene(options, &setup.file);
     if (!desc) return desc.error();
     setup.load_seconds = seconds_since(start);
     const auto build_start = std::chrono::steady_clock::now();

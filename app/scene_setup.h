@@ -25,8 +25,8 @@ struct SceneSetup {
 std::filesystem::path scene_path(const Options& options);
 
 // Loads the file and applies --environment, without building anything. Reports warnings of the file
-// to the log.
-Result<SceneDesc> load_scene(const Options& options);
+// to the log. `kept`, where given, gets the open file, for reading it again.
+Result<SceneDesc> load_scene(const Options& options, std::shared_ptr<GltfFile>* kept = nullptr);
 
 // --camera and --orbit, or the file's first camera, or one that frames everything.
 Result<Camera> choose_camera(const Options& options, const Scene& scene);

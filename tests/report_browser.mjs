@@ -23,6 +23,7 @@ const wipe = () => page.locator('.wipe .over').evaluate(e => e.getBoundingClient
 const picture = () => page.locator('.wipe').evaluate(e => e.getBoundingClientRect().width);
 seen.before = await wipe();
 // The slider is dragged with the mouse, from its middle to a fifth of its width.
+await page.locator('#range').scrollIntoViewIfNeeded();
 const slider = await page.locator('#range').boundingBox();
 await page.mouse.move(slider.x + slider.width / 2, slider.y + slider.height / 2);
 await page.mouse.down();

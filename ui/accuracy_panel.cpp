@@ -39,11 +39,12 @@ void draw_trust(const ErrorEstimate& error) {
     ImGui::AlignTextToFramePadding();
     const std::string_view name = trust_name(error.trust);
     ImGui::TextUnformatted(name.data(), name.data() + name.size());
-    if (!error.why.empty()) {
-        ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-        ImGui::TextWrapped("%s", error.why.c_str());
-        ImGui::PopStyleColor();
-    }
+    // Two lines, whatever is said, so that nothing below moves.
+    const float below = ImGui::GetCursorPosY() + 2 * ImGui::GetTextLineHeightWithSpacing();
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    ImGui::TextWrapped("%s", error.why.c_str());
+    ImGui::PopStyleColor();
+    ImGui::SetCursorPosY(std::max(below, ImGui::GetCursorPosY()));
 }
 
 // In whole per cent, rounded down, and 100 only where nothing is left.
@@ -52,25 +53,29 @@ int percent_of_the_way(double spent, double left) {
     return std::min(99, static_cast<int>(std::floor(100 * spent / (spent + left))));
 }
 
+// Always the same rows, so that nothing below moves.
 void draw_prediction(const ErrorEstimate& error, double seconds_now, double target) {
     begin_row("Time to target");
     const ErrorEstimate::Prediction prediction = error.seconds_to(target);
+    const bool reached = error.valid && error.hi95 <= target;
+    std::string range = "-";
+    int percent = reached ? 100 : 0;
     if (error.trust == Trust::red) {
         ImGui::TextDisabled("not trusted");
     } else if (!prediction.valid) {
         ImGui::TextDisabled("not known yet");
-    } else if (error.hi95 <= target) {
+    } else if (reached) {
         ImGui::TextUnformatted("reached");
     } else {
         ImGui::Text("%s", duration_text(prediction.seconds).c_str());
-        text_row("", "%s to %s", duration_text(prediction.lo95).c_str(),
-                 duration_text(prediction.hi95).c_str());
+        range = duration_text(prediction.lo95) + " to " + duration_text(prediction.hi95);
         // By the further end of the band, so that it does not promise too much.
-        const int percent = percent_of_the_way(seconds_now, std::max(prediction.hi95, 0x1p-30));
-        begin_row("Progress");
-        const std::string text = std::to_string(percent) + " %";
-        ImGui::ProgressBar(static_cast<float>(percent) / 100, ImVec2(-1, 0), text.c_str());
+        percent = percent_of_the_way(seconds_now, std::max(prediction.hi95, 0x1p-30));
     }
+    text_row("", "%s", range.c_str());
+    begin_row("Progress");
+    const std::string text = std::to_string(percent) + " %";
+    ImGui::ProgressBar(static_cast<float>(percent) / 100, ImVec2(-1, 0), text.c_str());
 }
 
 // The error that a typed time buys.
@@ -81,15 +86,16 @@ void draw_budget(const ErrorEstimate& error, ViewSettings& look) {
         look.budget_seconds = std::clamp(seconds, 0.0, 1e9);
     begin_row("buy an error of");
     const ErrorEstimate::FutureError future = error.error_after(look.budget_seconds);
+    std::string range = "-";
     if (error.trust == Trust::red) {
         ImGui::TextDisabled("not trusted");
     } else if (!future.valid) {
         ImGui::TextDisabled("not known yet");
     } else {
         ImGui::Text("%s", percent_text(future.relrmse_percent).c_str());
-        text_row("", "%s to %s", percent_text(future.lo95).c_str(),
-                 percent_text(future.hi95).c_str());
+        range = percent_text(future.lo95) + " to " + percent_text(future.hi95);
     }
+    text_row("", "%s", range.c_str());
 }
 
 void draw_target(const ErrorEstimate& error, double seconds_now, ViewerModel& model) {

@@ -64,7 +64,8 @@ void draw_panels(PixelSize framebuffer, float scale, ViewerModel& model, Edits& 
     if (section("Session")) draw_session_panel(model, edits, snapshot);
     if (section("Camera")) edits.camera |= draw_camera_panel(model);
     if (section("Environment and lights")) draw_lights_panel(model, edits);
-    if (section("Render")) edits.settings |= draw_render_panel(model, snapshot, view.threads);
+    if (section("Render")) edits.settings |= draw_render_panel(model, view.threads);
+    if (section("Effects", false)) edits.settings |= draw_effects_panel(model, snapshot);
     ImGui::End();
 
     begin_window("image settings", {framebuffer.width - side, 0, side, height}, kFixedWindow);

@@ -32,7 +32,7 @@ void draw_texture(const ViewerModel& model, const char* name, const TextureSlot&
 struct Group {
     const char* title;
     const char* extension;
-    std::array<std::string_view, 4> names;
+    std::array<std::string_view, 6> names;
     bool (*is_used)(const Material&);
 };
 constexpr Group kGroups[] = {
@@ -47,7 +47,8 @@ constexpr Group kGroups[] = {
      {"transmission_factor", "dispersion"},
      [](const Material& m) { return m.transmission_factor > 0; }},
     {"Volume", "KHR_materials_volume",
-     {"thickness_factor", "attenuation_color", "attenuation_distance"},
+     {"thickness_factor", "attenuation_color", "attenuation_distance", "multiscatter_color",
+      "scatter_anisotropy", "nested_priority"},
      [](const Material& m) { return m.thickness_factor > 0; }},
     {"Diffuse transmission", "KHR_materials_diffuse_transmission",
      {"diffuse_transmission_factor", "diffuse_transmission_color_factor"},

@@ -29,8 +29,11 @@ bool draw_material_panel(ViewerModel& model);
 // Environment and punctual lights; notes what changed in the edits.
 bool draw_lights_panel(ViewerModel& model, Edits& edits);
 
-// Size, depth, sampler and so on, and the effects that are active. True when the settings changed.
-bool draw_render_panel(ViewerModel& model, const Snapshot* snapshot, unsigned threads);
+// Size, depth, sampler and so on. True when the settings changed.
+bool draw_render_panel(ViewerModel& model, unsigned threads);
+
+// Every effect with who asks for it, its switch and its prices. True when the settings changed.
+bool draw_effects_panel(ViewerModel& model, const Snapshot* snapshot);
 
 // Pause, restart, sample limit; notes what changed in the edits.
 bool draw_session_panel(ViewerModel& model, Edits& edits, const Snapshot* snapshot);

@@ -29,6 +29,8 @@ struct ViewSettings {
     float wipe = 0.5f;                // share of the image that shows A of a comparison
 };
 
+class EffectPriceJob;
+
 struct ViewerModel {
     std::shared_ptr<const Scene> scene;  // as loaded; null before the first
     std::shared_ptr<GltfFile> file;      // that it came from; null where nothing can be chosen
@@ -47,6 +49,7 @@ struct ViewerModel {
     uint64_t pass_limit = 0;
     std::optional<uint32_t> selected_object;
     uint32_t material = 0;  // the one whose panel is open
+    std::shared_ptr<EffectPriceJob> effect_prices;  // once they were asked for
     int camera = -1;        // of the file's list; -1 = moved by hand or none
 
     // The name that the panels show for a material, never empty.

@@ -71,7 +71,7 @@ Rgb first_hit_value(Aov aov, const RenderScene& rs, const CameraRays& camera,
         return Rgb(static_cast<float>(steps));
     }
     if (!intersect<kFullTier>(rs, sampler, 0, ray, hit)) return missed(aov);
-    if (aov == Aov::depth) return Rgb(hit.t);
+    if (aov == Aov::depth) return Rgb(camera.distance_to(ray, hit.t));
     if (aov == Aov::object_id) return Rgb(static_cast<float>(rs.scene().object_of(hit.id)));
     SurfaceInteraction si = make_surface_interaction<kFullTier>(rs.scene(), ray, hit);
     if (aov == Aov::material_id) return Rgb(static_cast<float>(si.material));

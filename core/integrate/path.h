@@ -103,10 +103,9 @@ inline constexpr bool kHasAlpha = kTier.has(Effect::alpha_mask) || kTier.has(Eff
 template <EffectSet kTier>
 bool intersect(const RenderScene& rs, const Sampler& sampler, uint32_t bounce, const Ray& ray,
                Hit& hit) {
-    const uint8_t asked =
-        kHasAlpha<kTier> ? (kCoverageAlpha | kCoverageSingleSided) : kCoverageSingleSided;
-    const uint8_t relevant =
-        rs.any_coverage() & (bounce == 0 ? asked : static_cast<uint8_t>(asked & kCoverageAlpha));
+    constexpr uint8_t kAlpha = kHasAlpha<kTier> ? kCoverageAlpha : 0;
+    constexpr uint8_t kSide = kTier.has(Effect::single_sided) ? kCoverageSingleSided : 0;
+    const uint8_t relevant = rs.any_coverage() & (bounce == 0 ? kAlpha | kSide : kAlpha);
     // Most hits need no question: the filter is asked of the nearest one, and traversal runs again
     // with it only where that one is no hit.
     if (!rs.scene().accel().closest(ray, hit)) return false;
@@ -126,9 +125,10 @@ bool is_occluded(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
 }
 
 // Light of the environment that the ray escapes to.
-template <typename Recorder>
+template <EffectSet kTier, typename Recorder>
 void add_environment(const RenderScene& rs, const PathSettings& settings, uint32_t bounce,
                      const Ray& ray, PathState& path, Recorder& recorder) {
+    if constexpr (!kTier.has(Effect::environment)) return;
     const EnvironmentLight& environment = rs.lights().environment();
     if (environment.is_black() || (bounce == 0 && settings.transparent_background)) return;
     float weight = 1;
@@ -143,11 +143,11 @@ void add_environment(const RenderScene& rs, const PathSettings& settings, uint32
 }
 
 // Light that the surface itself sends back along the ray.
-template <typename Recorder>
+template <EffectSet kTier, typename Recorder>
 void add_emission(const RenderScene& rs, const PathSettings& settings, const Ray& ray,
                   const Material& material, const SurfaceInteraction& si, PathState& path,
                   Recorder& recorder) {
-    if (!material.is_emissive()) return;
+    if (!kTier.has(Effect::emissive_meshes) || !material.is_emissive()) return;
     Rgb Le = emitted_radiance(rs.scene(), material, si.uv[0], si.uv[1], si.front,
                               std::abs(dot(ray.d, si.n_geometric)));
     show_value(recorder, PathValue::emission, Le);
@@ -167,8 +167,8 @@ void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bo
                       const Bounce& numbers, const SurfaceInteraction& si, const Vec3f& n_lit,
                       const Bsdf<kTier>& bsdf, const Crossing& crossing, PathState& path,
                       uint32_t& rays, Recorder& recorder) {
-    std::optional<LightSample> light =
-        rs.lights().sample(rs.scene(), si.p, n_lit, numbers.light_choice(), numbers.light());
+    std::optional<LightSample> light = rs.lights().sample(
+        rs.scene(), si.lit_point(), n_lit, numbers.light_choice(), numbers.light());
     if (!light) return;
     show_value(recorder, PathValue::light, light->radiance);
     show_value(recorder, PathValue::light_pdf, light->pdf);
@@ -279,8 +279,7 @@ inline void disperse(const Sampler& sampler, const Material& material, ShadingPa
         path.wavelength = hero.nanometres;
         path.beta *= hero.weight;
     }
-    if (params.ior > 1)
-        params.ior = dispersed_ior(params.ior, material.dispersion, path.wavelength);
+    params.ior = dispersed_ior(params.ior, material.dispersion, path.wavelength);
 }
 
 // Index of a volume against what lies around it; 0 stays 0, which means Fresnel 1 everywhere.
@@ -296,7 +295,8 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
                       uint32_t x, uint32_t y, uint64_t sample_index, Recorder& recorder) {
     const Sampler sampler(settings.sampler, settings.seed, x, y, sample_index);
     const Vec2f offset = sample_pixel_filter(settings.filter, sampler.pair(Purpose::pixel));
-    const Vec2f lens = camera.has_lens() ? sampler.pair(Purpose::lens) : Vec2f(0);
+    Vec2f lens(0);
+    if (kTier.has(Effect::depth_of_field) && camera.has_lens()) lens = sampler.pair(Purpose::lens);
     Ray ray = camera.ray(static_cast<float>(x) + offset.x, static_cast<float>(y) + offset.y, lens);
     show_value(recorder, PathValue::camera_direction, ray.d);
     PathSample result;
@@ -320,7 +320,7 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
             }
         }
         if (!found) {
-            add_environment(rs, settings, bounce, ray, path, recorder);
+            add_environment<kTier>(rs, settings, bounce, ray, path, recorder);
             if constexpr (Recorder::kActive) recorder.seen(bounce, path);
             break;
         }
@@ -356,7 +356,7 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
                 break;
             }
         }
-        add_emission(rs, settings, ray, material, si, path, recorder);
+        add_emission<kTier>(rs, settings, ray, material, si, path, recorder);
         if constexpr (Recorder::kActive) recorder.seen(bounce, path);
         uint32_t depth = bounce;
         if constexpr (kHasVolumes<kTier>) depth -= path.false_boundaries + path.medium_events;
@@ -367,7 +367,8 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         ShadingParams params = eval_shading_params<kTier>(rs.scene(), material, si);
         show_value(recorder, PathValue::base_color, params.base_color);
         if constexpr (kTier.has(Effect::dispersion)) {
-            if (material.dispersion > 0 && params.transmission > 0 && !params.thin)
+            if (material.dispersion > 0 && material.ior > 1 && params.transmission > 0 &&
+                params.metallic < 1 && !params.thin)
                 disperse(sampler, material, params, path);
         }
         if constexpr (kHasVolumes<kTier>) {
@@ -381,10 +382,12 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
             frame.n = -frame.n;
             frame.t = -frame.t;
         }
-        const Bsdf<kTier> bsdf(params, frame, side * si.n_geometric, -ray.d,
-                               si.front || params.thin);
+        const bool lit_through = is_lit_through(params);
+        if (lit_through) si.lift = Vec3f(0);
+        const Vec3f n_surface = side * si.n_surface();
+        const Bsdf<kTier> bsdf(params, frame, n_surface, -ray.d, si.front || params.thin);
         const Bounce numbers = sampler.bounce(bounce);
-        const Vec3f n_lit = is_lit_through(params) ? Vec3f(0) : side * si.n_geometric;
+        const Vec3f n_lit = lit_through ? Vec3f(0) : n_surface;
         if (settings.next_event_estimation && bsdf.has_smooth_lobe() && rs.lights().can_sample()) {
             add_direct_light<kTier>(rs, sampler, bounce, numbers, si, n_lit, bsdf, crossing,
                                     path, result.rays, recorder);
@@ -410,7 +413,7 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         path.bsdf_pdf = scattered->pdf;
         path.specular = scattered->delta;
         path.specular_chain = path.specular_chain && scattered->delta;
-        path.from = si.p;
+        path.from = si.lit_point();
         path.n_from = n_lit;
         if constexpr (kTier.has(Effect::transmission) || kTier.has(Effect::diffuse_transmission)) {
             path.eta_scale *= scattered->eta * scattered->eta;

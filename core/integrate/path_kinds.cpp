@@ -1,5 +1,7 @@
 #include "core/integrate/path_kinds.h"
 
+#include "core/integrate/tiers.h"
+
 namespace talbot {
 namespace {
 
@@ -69,9 +71,9 @@ void PathSorter::vertex(uint32_t bounce, const SurfaceInteraction& si, const Mat
         const Sampler sampler(settings_.sampler, settings_.seed, x_, y_, sample_);
         const Bounce numbers = sampler.bounce(bounce);
         const Vec3f n =
-            is_lit_through(params) ? Vec3f(0) : (si.front ? 1.0f : -1.0f) * si.n_geometric;
+            is_lit_through(params) ? Vec3f(0) : (si.front ? 1.0f : -1.0f) * si.n_surface();
         const std::optional<LightSample> light = scene_.lights().sample(
-            scene_.scene(), si.p, n, numbers.light_choice(), numbers.light());
+            scene_.scene(), si.lit_point(), n, numbers.light_choice(), numbers.light());
         const uint32_t source = !light || light->delta ? kPunctualSource
                                 : light->infinite      ? kEnvironmentSource
                                                        : scene_.scene().object_of(light->id);

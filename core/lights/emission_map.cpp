@@ -4,14 +4,12 @@
 #include <array>
 #include <cmath>
 
-#include "core/math/robust.h"
+#include "core/scene/texel_runs.h"
 
 namespace talbot {
 namespace {
 
 constexpr uint32_t kBlock = 8;  // texels
-// Coordinates beyond this lose more than a texel to rounding.
-constexpr float kFarCoordinate = 1024;
 
 }  // namespace
 
@@ -21,7 +19,13 @@ EmissionMap::EmissionMap(const Material& material, std::span<const Texture> text
         mean_ = luminance(factor);
         return;
     }
-    texture_ = textures[material.emissive_texture.texture];
+    const Texture& texture = textures[material.emissive_texture.texture];
+    const TexelRange range = texel_range(*texture.image);
+    if (range.is_constant(kChannelsRgb)) {
+        mean_ = luminance(factor * Rgb(range.value(TextureEncoding::srgb)));
+        return;
+    }
+    texture_ = texture;
     sum_blocks(*texture_.image, factor);
 }
 
@@ -64,36 +68,10 @@ void EmissionMap::sum_blocks(const Image8& image, const Rgb& factor) {
     mean_ = sums_.back() / (static_cast<double>(image.width) * image.height);
 }
 
-EmissionMap::Runs EmissionMap::texels_between(float lower, float upper, uint32_t size,
-                                              TextureWrap wrap) {
-    const Runs whole{{0, 0}, {size - 1, 0}, 1};
-    if (!(lower > -kFarCoordinate && upper < kFarCoordinate)) return whole;
-    const bool inside = lower >= 0 && upper <= 1;
-    if (wrap == TextureWrap::mirrored_repeat && !inside) return whole;
-    // Linear filtering reads one texel on either side; one more covers the rounding of coordinates.
-    const double n = size;
-    auto first = static_cast<int64_t>(std::floor(double{lower} * n - 0.5)) - 1;
-    auto last = static_cast<int64_t>(std::floor(double{upper} * n - 0.5)) + 2;
-    const auto end = static_cast<int64_t>(size) - 1;
-    if (wrap != TextureWrap::repeat) {
-        first = std::clamp<int64_t>(first, 0, end);
-        last = std::clamp<int64_t>(last, 0, end);
-        return {{static_cast<uint32_t>(first), 0}, {static_cast<uint32_t>(last), 0}, 1};
-    }
-    if (last - first >= end) return whole;
-    const int64_t shift = static_cast<int64_t>(std::floor(static_cast<double>(first) / n)) * size;
-    first -= shift;
-    last -= shift;
-    if (last <= end) return {{static_cast<uint32_t>(first), 0}, {static_cast<uint32_t>(last), 0}, 1};
-    return {{static_cast<uint32_t>(first), 0},
-            {static_cast<uint32_t>(end), static_cast<uint32_t>(last - end - 1)},
-            2};
-}
-
 double EmissionMap::mean(const Vec2f& lower, const Vec2f& upper) const {
     if (!texture_.image) return mean_;
-    const Runs across = texels_between(lower.x, upper.x, texture_.image->width, texture_.wrap_u);
-    const Runs down = texels_between(lower.y, upper.y, texture_.image->height, texture_.wrap_v);
+    const TexelRuns across = texels_between(lower.x, upper.x, texture_.image->width, texture_.wrap_u);
+    const TexelRuns down = texels_between(lower.y, upper.y, texture_.image->height, texture_.wrap_v);
     const std::size_t stride = std::size_t{blocks_x_} + 1;
     double sum = 0;
     double texels = 0;

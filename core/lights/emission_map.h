@@ -23,13 +23,6 @@ class EmissionMap {
     double mean(const Vec2f& lower, const Vec2f& upper) const;
 
   private:
-    // Texels first to last, in up to two runs where the coordinate wraps.
-    struct Runs {
-        uint32_t first[2] = {0, 0};
-        uint32_t last[2] = {0, 0};
-        int count = 0;
-    };
-    static Runs texels_between(float lower, float upper, uint32_t size, TextureWrap wrap);
     void sum_blocks(const Image8& image, const Rgb& factor);
 
     double mean_ = 0;

@@ -7,6 +7,7 @@
 #include "core/lights/emission_map.h"
 #include "core/lights/surface_light.h"
 #include "core/math/robust.h"
+#include "core/scene/compiled_effects.h"
 
 namespace talbot {
 namespace {
@@ -80,12 +81,12 @@ Rgb emitted_radiance(const Scene& scene, const Material& material, const Vec2f& 
                      const Vec2f& uv1, bool front, float cos_theta) {
     if (!front && !material.double_sided) return Rgb(0);
     Rgb radiance = material.emissive_factor * material.emissive_strength;
-    if (material.emissive_texture.used()) {
+    if (kCompiledEffects.has(Effect::emissive_texture) && material.emissive_texture.used()) {
         const TextureSlot& slot = material.emissive_texture;
         const Vec2f uv = slot.apply(slot.uv_set == 0 ? uv0 : uv1);
         radiance *= Rgb(eval_texture(scene.textures()[slot.texture], uv, TextureEncoding::srgb));
     }
-    if (material.clearcoat_factor > 0) {
+    if (kCompiledEffects.has(Effect::clearcoat) && material.clearcoat_factor > 0) {
         float coat = material.clearcoat_factor;
         if (material.clearcoat_texture.used()) {
             const TextureSlot& slot = material.clearcoat_texture;
@@ -113,7 +114,8 @@ void LightTable::make_choice(const Scene& scene) {
     powers.reserve(lights_.size());
     for (const Light& light : lights_) powers.push_back(light.power);
     choice_ = DiscreteDistribution(powers);
-    if (lights_.size() < kTreeLights || choice_.is_empty()) return;
+    const auto sends = [](double power) { return power > 0; };
+    if (std::count_if(powers.begin(), powers.end(), sends) < kTreeLights) return;
     std::vector<LightBounds> bounds;
     bounds.reserve(lights_.size());
     double placed = 0;
@@ -177,6 +179,7 @@ void LightTable::add_punctual_lights(const Scene& scene) {
         bounds.is_empty() ? 1.0 : 0.5 * length(Vec3d(bounds.upper) - Vec3d(bounds.lower));
     for (uint32_t i = 0; i < scene.punctual_lights().size(); ++i) {
         const PunctualLight& source = scene.punctual_lights()[i];
+        if (!source.shines()) continue;
         Light light;
         light.kind = source.kind == PunctualKind::point  ? LightKind::point
                      : source.kind == PunctualKind::spot ? LightKind::spot
@@ -193,7 +196,7 @@ void LightTable::add_punctual_lights(const Scene& scene) {
 std::optional<LightSample> LightTable::sample(const Scene& scene, const Vec3f& p, const Vec3f& n,
                                               float u_choice, const Vec2f& u) const {
     float probability = 1;
-    if (environment_probability_ > 0) {
+    if (kCompiledEffects.has(Effect::environment_image) && environment_probability_ > 0) {
         if (u_choice < environment_probability_) {
             const std::optional<EnvironmentSample> found = environment_.sample(u);
             if (!found || !(found->pdf > 0)) return std::nullopt;
@@ -234,17 +237,13 @@ std::optional<LightSample> LightTable::sample(const Scene& scene, const Vec3f& p
 
 std::optional<LightSample> LightTable::sample_light(const Scene& scene, const Light& light,
                                                     const Vec3f& p, const Vec2f& u) const {
-    switch (light.kind) {
-        case LightKind::triangle:
-            return sample_triangle_light(scene, light, p, u);
-        case LightKind::sphere:
+    if (kCompiledEffects.has(Effect::emissive_meshes)) {
+        if (light.kind == LightKind::triangle) return sample_triangle_light(scene, light, p, u);
+        if (kCompiledEffects.has(Effect::analytic_spheres) && light.kind == LightKind::sphere)
             return sample_sphere_light(scene, light, p, u);
-        case LightKind::point:
-        case LightKind::spot:
-        case LightKind::directional:
-            return sample_punctual_light(scene.punctual_lights()[light.punctual], light, p);
     }
-    return std::nullopt;
+    if (!kCompiledEffects.has(Effect::punctual_lights)) return std::nullopt;
+    return sample_punctual_light(scene.punctual_lights()[light.punctual], light, p);
 }
 
 uint32_t LightTable::light_of(PrimitiveId id) const {
@@ -272,6 +271,7 @@ float LightTable::pdf_surface(const Vec3f& p, const Vec3f& n, PrimitiveId id,
 }
 
 float LightTable::pdf_environment(const Vec3f& d) const {
+    if (!kCompiledEffects.has(Effect::environment_image)) return 0;
     return environment_probability_ > 0 ? environment_probability_ * environment_.pdf(d) : 0.0f;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/math/robust.h"
 #include "core/math/warp.h"
+#include "core/scene/compiled_effects.h"
 
 namespace talbot {
 namespace {
@@ -93,7 +94,7 @@ Ray CameraRays::ray(float px, float py, const Vec2f& lens) const {
         origin = Vec3d(x, y, 0);
     } else {
         direction = Vec3d(x, y, -1);
-        if (aperture_radius_ > 0) {
+        if (kCompiledEffects.has(Effect::depth_of_field) && aperture_radius_ > 0) {
             const Vec2f disk = aperture_radius_ * sample_concentric_disk(lens);
             origin = Vec3d(disk.x, disk.y, 0);
             // Divided, not multiplied: a focus at infinity makes rays parallel.
@@ -111,6 +112,11 @@ Ray CameraRays::ray(float px, float py, const Vec2f& lens) const {
     ray.o = Vec3f(origin);
     ray.d = Vec3f(direction);
     return ray;
+}
+
+float CameraRays::distance_to(const Ray& ray, float t) const {
+    const Vec3d to = Vec3d(ray.o) + static_cast<double>(t) * Vec3d(ray.d) - position_;
+    return static_cast<float>(kind_ == CameraKind::orthographic ? -dot(to, axes_[2]) : length(to));
 }
 
 std::optional<Vec2f> CameraRays::project(const Vec3f& point) const {

@@ -65,6 +65,9 @@ class CameraRays {
     // calculated in double and rounded once.
     Ray ray(float px, float py, const Vec2f& lens) const;
 
+    // Metres from the camera's middle (an orthographic one: its plane) to the point at t of a ray.
+    float distance_to(const Ray& ray, float t) const;
+
     bool has_lens() const { return aperture_radius_ > 0; }
 
     // Image position of a re-centred world point; empty when it is behind the camera.

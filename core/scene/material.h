@@ -105,4 +105,25 @@ struct Material {
     }
 };
 
+// Every texture of a material.
+inline constexpr TextureSlot Material::*kTextureSlots[] = {
+    &Material::base_color_texture,
+    &Material::metallic_roughness_texture,
+    &Material::normal_texture,
+    &Material::emissive_texture,
+    &Material::specular_texture,
+    &Material::specular_color_texture,
+    &Material::transmission_texture,
+    &Material::diffuse_transmission_texture,
+    &Material::diffuse_transmission_color_texture,
+    &Material::clearcoat_texture,
+    &Material::clearcoat_roughness_texture,
+    &Material::clearcoat_normal_texture,
+    &Material::sheen_color_texture,
+    &Material::sheen_roughness_texture,
+    &Material::anisotropy_texture,
+    &Material::iridescence_texture,
+    &Material::iridescence_thickness_texture,
+};
+
 }  // namespace talbot

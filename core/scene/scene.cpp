@@ -132,7 +132,15 @@ SceneInstance place(const MeshInstance& source, const Mat4d& recentred) {
     return instance;
 }
 
+// White is no colour; interpolated it would not be white to the last bit.
+void drop_white_colors(Mesh& mesh) {
+    if (std::all_of(mesh.colors.begin(), mesh.colors.end(),
+                    [](const Vec4f& c) { return c == Vec4f(1); }))
+        mesh.colors.clear();
+}
+
 void place_meshes(SceneDesc& desc, SceneGeometry& geometry) {
+    for (Mesh& mesh : desc.meshes) drop_white_colors(mesh);
     std::vector<uint64_t> uses(desc.meshes.size(), 0);
     for (const MeshInstance& instance : desc.instances) ++uses[instance.mesh];
     // Shared meshes keep their index; baked ones are appended or moved.
@@ -163,19 +171,6 @@ void place_meshes(SceneDesc& desc, SceneGeometry& geometry) {
     }
 }
 
-AccelInput accel_input(const SceneGeometry& geometry, BuildQuality quality) {
-    AccelInput input;
-    input.quality = quality;
-    for (const Mesh& mesh : geometry.meshes) input.meshes.push_back({mesh.positions, mesh.indices});
-    for (const SceneInstance& instance : geometry.instances) {
-        input.instances.push_back(
-            {instance.mesh, instance.identity, instance.world_from_object, true});
-    }
-    for (const Sphere& sphere : geometry.spheres)
-        input.spheres.push_back({sphere.center, sphere.radius, true});
-    return input;
-}
-
 BoundsD instance_bounds(const SceneGeometry& geometry, const SceneInstance& instance) {
     BoundsD box;
     Mat4d world = instance.world_from_object;
@@ -195,6 +190,19 @@ void give_bounds(const BoundsD& box, Vec3d& lower, Vec3d& upper) {
 }
 
 }  // namespace
+
+AccelInput accel_input(const SceneGeometry& geometry, BuildQuality quality) {
+    AccelInput input;
+    input.quality = quality;
+    for (const Mesh& mesh : geometry.meshes) input.meshes.push_back({mesh.positions, mesh.indices});
+    for (const SceneInstance& instance : geometry.instances) {
+        input.instances.push_back(
+            {instance.mesh, instance.identity, instance.world_from_object, true});
+    }
+    for (const Sphere& sphere : geometry.spheres)
+        input.spheres.push_back({sphere.center, sphere.radius, true});
+    return input;
+}
 
 std::shared_ptr<const Scene> Scene::build(SceneDesc desc, WorkerPool& pool,
                                           const SceneBuildOptions& options) {
@@ -217,6 +225,7 @@ std::shared_ptr<const Scene> Scene::build(SceneDesc desc, WorkerPool& pool,
     scene->geometry_ = std::move(geometry);
     scene->textures_ = std::make_shared<const std::vector<Texture>>(std::move(desc.textures));
     scene->materials_ = std::move(desc.materials);
+    scene->measure_textures(pool);
     scene->lights_ = std::move(desc.lights);
     scene->cameras_ = std::move(desc.cameras);
     scene->environment_ = std::move(desc.environment);
@@ -224,6 +233,37 @@ std::shared_ptr<const Scene> Scene::build(SceneDesc desc, WorkerPool& pool,
         About{std::move(desc.file), std::move(desc.name), std::move(desc.sha256),
               std::move(desc.extensions), std::move(desc.warnings)});
     return scene;
+}
+
+void Scene::measure_textures(WorkerPool& pool) {
+    auto facts = std::make_shared<TexelFacts>();
+    facts->ranges.resize(textures_->size());
+    pool.parallel_for(textures_->size(), [&](uint64_t i, unsigned) {
+        const Texture& texture = (*textures_)[i];
+        if (texture.image) facts->ranges[i] = talbot::texel_range(*texture.image);
+    });
+    facts->alpha.resize(geometry_->meshes.size());
+    // By texture, so that only one pyramid is held at a time.
+    std::vector<std::vector<uint32_t>> meshes(textures_->size());
+    for (uint32_t i = 0; i < geometry_->meshes.size(); ++i) {
+        const Mesh& mesh = geometry_->meshes[i];
+        if (mesh.indices.empty() || !mesh.colors.empty() || mesh.material >= materials_.size())
+            continue;
+        const TextureSlot& slot = materials_[mesh.material].base_color_texture;
+        if (slot.used() && !facts->ranges[slot.texture].is_constant(kChannelAlpha))
+            meshes[slot.texture].push_back(i);
+    }
+    for (std::size_t t = 0; t < meshes.size(); ++t) {
+        if (meshes[t].empty()) continue;
+        const Texture& texture = (*textures_)[t];
+        const AlphaPyramid pyramid(*texture.image);
+        pool.parallel_for(meshes[t].size(), [&](uint64_t k, unsigned) {
+            const Mesh& mesh = geometry_->meshes[meshes[t][k]];
+            facts->alpha[meshes[t][k]] = std::make_unique<const MeshAlpha>(measure_alpha(
+                mesh, materials_[mesh.material].base_color_texture, texture, pyramid));
+        });
+    }
+    texel_facts_ = std::move(facts);
 }
 
 void Scene::world_bounds(Vec3d& lower, Vec3d& upper) const {
@@ -257,6 +297,20 @@ std::shared_ptr<const Scene> Scene::with_material(uint32_t index, Material mater
     TALBOT_CHECK(index < materials_.size());
     auto scene = std::make_shared<Scene>(*this);
     scene->materials_[index] = std::move(material);
+    return scene;
+}
+
+std::shared_ptr<const Scene> Scene::with_materials(std::vector<Material> materials) const {
+    TALBOT_CHECK(materials.size() == materials_.size());
+    auto scene = std::make_shared<Scene>(*this);
+    scene->materials_ = std::move(materials);
+    return scene;
+}
+
+std::shared_ptr<const Scene> Scene::with_geometry(
+    std::shared_ptr<const SceneGeometry> geometry) const {
+    auto scene = std::make_shared<Scene>(*this);
+    scene->geometry_ = std::move(geometry);
     return scene;
 }
 

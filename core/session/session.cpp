@@ -8,6 +8,8 @@
 #include <utility>
 #include <variant>
 
+#include "core/integrate/tiers.h"
+#include "core/session/prepared_view.h"
 #include "core/session/render_pass.h"
 #include "core/session/scheduler.h"
 #include "core/session/view_layers.h"
@@ -149,7 +151,7 @@ class RenderSession::Impl {
 
     ScheduleState schedule_state() const {
         ScheduleState state;
-        state.has_scene = scene_ != nullptr;
+        state.has_scene = source_ != nullptr;
         state.interactive = policy_.interactive;
         state.paused = paused_;
         state.passes = passes_;
@@ -164,8 +166,7 @@ class RenderSession::Impl {
     }
 
     void apply(SetScene& change) {
-        const RenderScene* previous = scene_.get();
-        scene_ = std::make_shared<const RenderScene>(std::move(change.scene), previous);
+        source_ = std::move(change.scene);
         camera_ = change.camera;
         if (!change.same_objects) {
             measured_rate_ = 0;
@@ -178,16 +179,16 @@ class RenderSession::Impl {
         restart_ = true;
     }
     void apply(SetMaterial& change) {
-        if (!scene_ || change.index >= scene_->scene().materials().size()) return;
-        replace_scene(scene_->scene().with_material(change.index, std::move(change.material)));
+        if (!source_ || change.index >= source_->materials().size()) return;
+        replace_scene(source_->with_material(change.index, std::move(change.material)));
     }
     void apply(SetPunctualLight& change) {
-        if (!scene_ || change.index >= scene_->scene().punctual_lights().size()) return;
-        replace_scene(scene_->scene().with_punctual_light(change.index, std::move(change.light)));
+        if (!source_ || change.index >= source_->punctual_lights().size()) return;
+        replace_scene(source_->with_punctual_light(change.index, std::move(change.light)));
     }
     void apply(SetEnvironment& change) {
-        if (!scene_) return;
-        replace_scene(scene_->scene().with_environment(std::move(change.environment)));
+        if (!source_) return;
+        replace_scene(source_->with_environment(std::move(change.environment)));
     }
     void apply(SetSettings& change) {
         if (settings_ == change.settings) return;
@@ -211,16 +212,15 @@ class RenderSession::Impl {
     }
 
     void replace_scene(std::shared_ptr<const Scene> scene) {
-        scene_ = std::make_shared<const RenderScene>(std::move(scene), scene_.get());
+        source_ = std::move(scene);
         restart_ = true;
     }
 
     void after_changes() {
-        if (restart_ && scene_) {
+        if (restart_ && source_) {
             restart_ = false;
             film_is_stale_ = true;
-            effects_ = analyse_effects(scene_->scene(), camera_);
-            tier_ = smallest_tier(effects_.active | settings_.forced_on);
+            view_ = prepare_view(source_, camera_, settings_, *pool_, &view_);
             passes_ = 0;
             samples_ = rays_ = 0;
             render_seconds_ = 0;
@@ -234,11 +234,11 @@ class RenderSession::Impl {
             resumed_seconds_ = 0;
             shown_image_.reset();
             take_pending_film();
-        } else if (scene_ && shown_image_) {
+        } else if (source_ && shown_image_) {
             tracker_.set_exposure(error_exposure_, film_.width(), pool_.get());
             if (passes_ > 0 && target_met()) stop_reached_ = true;
             if (layers_are_wanted())
-                layers_.glimpse({*scene_, camera_, settings_, *pool_}, measured_rate_,
+                layers_.glimpse(layered(), measured_rate_,
                                 policy_.preview_seconds);
             publish(shown_image_, shown_is_preview_);
         }
@@ -295,7 +295,7 @@ class RenderSession::Impl {
                 return spent_seconds() + seconds_since(start) > policy_.time_limit_seconds;
             };
         }
-        return talbot::render_pass({*scene_, camera_, settings_, tier_, target}, film, *pool_,
+        return talbot::render_pass({*view_.scene, view_.camera, settings_, view_.tier, target}, film, *pool_,
                                    work_stop_, out_of_time, counts);
     }
 
@@ -310,14 +310,14 @@ class RenderSession::Impl {
         if (!complete) return;
         ++previews_done_;
         last_divisor_ = divisor;
-        layers_.preview({*scene_, camera_, settings_, *pool_}, width, height);
+        layers_.preview(layered(), width, height);
         publish(std::make_shared<const ImageRgba>(film.image(settings_.transparent_background)),
                 true);
     }
 
     // Clearing the film waits until it is needed, for a preview should not wait for it.
     void renew_film() {
-        if (!film_is_stale_ || !scene_) return;
+        if (!film_is_stale_ || !source_) return;
         film_is_stale_ = false;
         if (film_.width() == settings_.width && film_.height() == settings_.height) {
             film_.clear();
@@ -362,9 +362,10 @@ class RenderSession::Impl {
         publish_film();
     }
 
+    ViewLayers::View layered() const { return {*view_.scene, view_.camera, settings_, *pool_}; }
     bool layers_are_wanted() const { return shown_image_ && layers_.are_missing(); }
     void update_layers(const std::stop_token& stop) {
-        layers_.update({*scene_, camera_, settings_, *pool_}, stop);
+        layers_.update(layered(), stop);
         if (passes_ > 0) layers_.update_from(film_, tracker_.block_errors());
     }
 
@@ -389,11 +390,11 @@ class RenderSession::Impl {
         snapshot->nonfinite = nonfinite_;
         snapshot->notes = notes_.latest();
         snapshot->error = tracker_.at(passes_, render_seconds_);
-        snapshot->scene = scene_->shared_scene();
+        snapshot->scene = source_;
         snapshot->camera = camera_;
         snapshot->settings = settings_;
-        snapshot->effects = effects_;
-        snapshot->kernel = kTiers[tier_].name;
+        snapshot->effects = view_.effects;
+        snapshot->kernel = kTiers[view_.tier].name;
         shown_image_ = snapshot->image;
         shown_is_preview_ = preview;
         last_publish_ = Clock::now();
@@ -409,7 +410,7 @@ class RenderSession::Impl {
 
     // The last snapshot of a stopped session holds whatever was sampled.
     void finish() {
-        if (scene_ && samples_ > 0) {
+        if (source_ && samples_ > 0) {
             passes_ = film_.min_samples();
             publish_film();
         }
@@ -440,11 +441,10 @@ class RenderSession::Impl {
     bool stopped_ = false;
 
     // session thread
-    std::shared_ptr<const RenderScene> scene_;
+    std::shared_ptr<const Scene> source_;  // with all edits
+    PreparedView view_;                    // of it, since the last restart
     Camera camera_;
     RenderSettings settings_;
-    EffectReport effects_;
-    std::size_t tier_ = 0;
     Film film_;
     bool film_is_stale_ = false;  // it holds another state's samples
     ErrorTracker tracker_;

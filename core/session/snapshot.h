@@ -35,7 +35,7 @@ struct Snapshot {
     std::shared_ptr<const Scene> scene;  // what it shows, after all edits
     Camera camera;
     RenderSettings settings;
-    EffectReport effects;
+    EffectReport effects;         // of that scene, those forced off included
     std::string kernel;           // name of the tier that ran
 };
 

@@ -82,7 +82,7 @@ double split_sum(float c, float eta) {
     p.transmission = 1;
     p.thin = false;
     p.ior = eta;
-    const GlassLayer<false> glass(p, false, 1, Rgb(1), true, 1,
+    const GlassLayer<EffectSet::all()> glass(p, false, 1, Rgb(1), true, 1,
                                   Vec3f(std::sqrt(std::max(0.0f, 1 - c * c)), 0, c));
     const auto split = glass.split(c);
     return static_cast<double>(split.reflected.x) + static_cast<double>(split.transmitted.x);

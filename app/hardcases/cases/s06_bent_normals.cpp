@@ -147,10 +147,10 @@ void flat_map_points(double& naive, double& own) {
         si.uv[0] = random.pair();
         const Vec3f n = si.shading.n;
         Vec3f mapped = n;
-        mapped_normal(*scene, scene->materials()[1].normal_texture, 1, si, mapped);
+        mapped_normal<kFullTier>(*scene, scene->materials()[1].normal_texture, 1, si, mapped);
         if (mapped != n) ++own;
         const Vec4f texel =
-            eval_slot(*scene, scene->materials()[1].normal_texture, si, TextureEncoding::linear);
+            eval_slot<kFullTier>(*scene, scene->materials()[1].normal_texture, si, TextureEncoding::linear);
         if (normalize(si.shading.to_world(2.0f * Vec3f(texel) - 1.0f)) != n) ++naive;
     }
 }
