@@ -126,7 +126,7 @@ Figures look(bool naive, uint64_t repeats) {
 }
 
 CaseResult run(Effort effort) {
-    const uint64_t repeats = effort == Effort::full ? 8192 : 1024;
+    const uint64_t repeats = effort == Effort::full ? 8192 : 512;
     const Figures naive = look(true, repeats);
     const Figures own = look(false, repeats);
     CaseResult result;
