@@ -52,11 +52,11 @@ Camera make_orbit_camera(const Orbit& orbit) {
 CameraRays::CameraRays(const Camera& camera, const Vec3d& scene_origin, uint32_t width,
                        uint32_t height, const Bounds& bounds)
     : kind_(camera.kind),
-      position_(camera.position - scene_origin),
-      axes_(camera.right, camera.up, camera.backward),
-      reach_(std::numeric_limits<double>::infinity()),
       width_(static_cast<float>(width)),
-      height_(static_cast<float>(height)) {
+      height_(static_cast<float>(height)),
+      position_(camera.position - scene_origin),
+      reach_(std::numeric_limits<double>::infinity()),
+      axes_(camera.right, camera.up, camera.backward) {
     if (!bounds.is_empty()) {
         center_ = 0.5 * (Vec3d(bounds.lower) + Vec3d(bounds.upper));
         reach_ = length(Vec3d(bounds.upper) - Vec3d(bounds.lower));

@@ -75,17 +75,17 @@ class CameraRays {
 
   private:
     CameraKind kind_;
-    Vec3d position_;
-    Mat3d axes_;          // columns: right, up, backward
-    Vec3d center_{0};     // of a sphere round the scene
-    double reach_;        // its diameter
     float width_;
     float height_;
     double scale_x_;      // half-extents of the view window at distance 1 (perspective) or in metres (orthographic)
     double scale_y_;
     Vec2d shift_;         // in half-extents
+    Vec3d position_;
+    Vec3d center_{0};     // of a sphere round the scene
     float aperture_radius_;
     float focus_distance_;
+    double reach_;        // the sphere's diameter
+    Mat3d axes_;          // columns: right, up, backward
 };
 
 }  // namespace talbot
