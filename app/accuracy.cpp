@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "app/accuracy_report.h"
+#include "app/bias_record.h"
 #include "app/exit_code.h"
 #include "core/base/log.h"
 #include "core/io/image_io.h"
@@ -18,6 +19,7 @@ struct AccuracyOptions {
     double target_percent = 0;
     double budget_seconds = 60;
     std::string html, json, csv, png;
+    bool why = false;
     std::vector<std::string> rest;  // for the render options
 };
 
@@ -33,19 +35,23 @@ Result<std::optional<AccuracyOptions>> parse(std::span<const std::string> args) 
     app.allow_extras();
     app.add_option(
            "--sweep", o.sweeps,
-           "KEY=v1,v2: max-depth, sampler, filter, roulette, nee, effects, tile-size; may be "
+           "KEY=v1,v2: max-depth, sampler, filter, roulette, nee, effects, effect.NAME, tile-size; may be "
            "repeated")
         ->allow_extra_args(false);
     app.add_option("--target-error", o.target_percent,
                    "relative error in per cent; default what the settings as given reach");
     app.add_option("--budget", o.budget_seconds, "seconds of rendering for all together (60)");
+    app.add_flag("--why", o.why,
+                 "what the error is made of: kinds of paths, lights, and what would help");
     app.add_option("--html", o.html, "report in one file");
     app.add_option("--json", o.json, "figures; - is the standard output");
     app.add_option("--csv", o.csv, "curves");
     app.add_option("--png", o.png, "plot");
     app.footer(
         "SCENE and the options of a render (--size, --seed, --camera, --environment, --max-depth, "
-        "...) set the base.\nCommands: talbot accuracy certify [SCENE...]");
+        "...) set the base.\nCommands: talbot accuracy certify [SCENE...], talbot accuracy ab "
+        "SCENE --a "
+        "FLAGS --b FLAGS");
     try {
         app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
     } catch (const CLI::Success& success) {
@@ -133,6 +139,25 @@ void advise(AccuracyReport& report, const std::vector<std::string>& words,
                      " to " + number(v.error.hi95) + ") after " + number(v.seconds) + " s.";
 }
 
+void print_shares(const ErrorShares& shares) {
+    std::printf("\n%-36s %-16s %-8s %s\n", "what the error is made of", "error", "light", "help");
+    for (const std::vector<ErrorShare>* list : {&shares.kinds, &shares.lights}) {
+        for (const ErrorShare& s : *list) {
+            char error[32];
+            std::snprintf(error, sizeof(error), "%.1f +- %.1f %%", 100 * s.error, 196 * s.error_sd);
+            std::printf(
+                "%-36s %-16s %5.1f %%  %s\n", s.label.c_str(), error, 100 * s.light,
+                s.help.empty() ? "" : (s.help + ": " + number(s.help_factor) + "x").c_str());
+        }
+        std::printf("\n");
+    }
+    if (shares.help.empty())
+        std::printf("No other setting helps the whole image by a tenth.\n");
+    else
+        std::printf("For the whole image: %s, %sx.\n", shares.help.c_str(),
+                    number(shares.help_factor).c_str());
+}
+
 void print_table(const AccuracyReport& report) {
     std::printf("%-26s %-30s %-10s %-9s %-8s %-12s %-6s %s\n", "configuration",
                 ("seconds to " + number(report.outcome.target_percent) + " %").c_str(), "error",
@@ -151,7 +176,10 @@ void print_table(const AccuracyReport& report) {
                     floor.c_str(), std::string(trust_name(r.last.trust)).c_str(),
                     r.pareto ? "yes" : "");
         if (!t.valid) std::printf("  %s\n", t.why.c_str());
+        if (r.config.may_be_biased)
+            std::printf("  %s\n", bias_sentence(r.floor, r.loss_after_seconds).c_str());
     }
+    if (report.shares.valid) print_shares(report.shares);
     std::printf("%s\n", report.advice.c_str());
     if (!report.advice_command.empty()) std::printf("%s\n", report.advice_command.c_str());
 }
@@ -200,6 +228,15 @@ Status measure(const AccuracyOptions& options, const Options& base) {
     report.outcome =
         run_sweep(*scene, {*configs, options.budget_seconds, options.target_percent}, pool);
     advise(report, options.rest, *scene, pool);
+    if (options.why) {
+        ErrorSharePolicy policy;
+        policy.exposure_ev = scene->exposure_ev;
+        RenderSettings settings = base.render;
+        settings.width = scene->setup.settings.width;
+        settings.height = scene->setup.settings.height;
+        report.shares =
+            measure_error_shares(scene->setup.scene, scene->setup.camera, settings, policy, pool);
+    }
     return write_reports(options, report);
 }
 
@@ -207,6 +244,7 @@ Status measure(const AccuracyOptions& options, const Options& base) {
 
 int run_accuracy(std::span<const std::string> args) {
     if (!args.empty() && args.front() == "certify") return run_certify(args.subspan(1));
+    if (!args.empty() && args.front() == "ab") return run_ab(args.subspan(1));
     const auto fail = [](const Error& error) {
         log_error(error.line());
         return exit_code(error);

@@ -12,4 +12,7 @@ int run_accuracy(std::span<const std::string> args);
 // The words after `accuracy certify`. Exit code 1 when a promise is broken.
 int run_certify(std::span<const std::string> args);
 
+// The words after `accuracy ab`.
+int run_ab(std::span<const std::string> args);
+
 }  // namespace talbot

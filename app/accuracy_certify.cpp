@@ -6,10 +6,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <vector>
 
 #include "app/accuracy.h"
-#include "app/accuracy_render.h"
+#include "app/accuracy_claims.h"
 #include "app/exit_code.h"
 #include "core/base/log.h"
 #include "core/io/image_io.h"
@@ -20,11 +21,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// What --target-error is asked for in the stop test; only targets that are met on the way count.
-constexpr double kTargets[] = {50, 20, 10, 5, 2, 1};
-// Octaves that must have been seen before a prediction counts.
-constexpr std::size_t kOctavesForPrediction = 3;
-
 struct CertifyOptions {
     std::vector<std::string> scenes;
     uint64_t seeds = 20;
@@ -33,7 +29,8 @@ struct CertifyOptions {
     uint64_t reference_factor = 64;
     uint64_t pixels = 5184;
     unsigned threads = 0;
-    std::string environment, cache, json;
+    uint64_t stop_to = 0;
+    std::string environment, cache, json, list;
     bool quick = false;
 };
 
@@ -53,6 +50,11 @@ Result<std::optional<CertifyOptions>> parse(std::span<const std::string> args) {
     app.add_option("--reference-factor", o.reference_factor,
                    "samples of the reference over those of the last milestone (64)");
     app.add_option("--pixels", o.pixels, "about so many pixels an image (5184)");
+    app.add_option("--stop-to", o.stop_to,
+                   "samples up to which every fifth render goes on for the stop rule (--to)");
+    app.add_option("--list", o.list,
+                   "text file: on each line a scene and options of a render, for all of which the "
+                   "promises must hold");
     app.add_option("--environment", o.environment, "FILE.hdr, FILE.exr or a colour R,G,B");
     app.add_option("--cache", o.cache, "existing folder that keeps the references as raw films");
     app.add_option("--json", o.json, "write all claims as JSON; - is the standard output");
@@ -77,101 +79,21 @@ Result<std::optional<CertifyOptions>> parse(std::span<const std::string> args) {
     if (!std::has_single_bit(o.from) || !std::has_single_bit(o.to) || o.from < 2 || o.to < o.from ||
         o.to > 1u << 20)
         return usage("--from and --to must be powers of two, from 2 to 1048576, in this order");
+    if (o.stop_to == 0) o.stop_to = o.to;
+    if (!std::has_single_bit(o.stop_to) || o.stop_to < o.to || o.stop_to > 1u << 20)
+        return usage("--stop-to must be a power of two, from --to to 1048576");
     if (o.reference_factor < 4 || o.reference_factor > 4096)
         return usage("--reference-factor must lie between 4 and 4096");
     if (o.pixels < 64 || o.pixels > 1u << 24)
         return usage("--pixels must lie between 64 and 16777216");
     if (!o.cache.empty() && !std::filesystem::is_directory(o.cache))
         return usage("--cache: the folder '" + o.cache + "' does not exist");
-    if (o.scenes.empty()) {
-        for (const char* name :
-             {"cornell.gltf", "hero.glb", "spheres.gltf", "report.gltf", "report-extended.gltf"})
+    if (o.scenes.empty() && o.list.empty()) {
+        for (const char* name : {"cornell.gltf", "hero.glb", "spheres.gltf", "report.gltf",
+                                 "report-extended.gltf", "rare-light.gltf"})
             o.scenes.push_back(find_data(std::string("scenes/") + name).string());
     }
     return std::optional<CertifyOptions>(o);
-}
-
-// The first number of samples in (n, 2n] at which --target-error would stop, 0 if none.
-uint64_t stop_within(const ErrorEstimate& at_n, const ErrorTracker& tracker, double target) {
-    const uint64_t n = at_n.samples;
-    for (uint64_t m = n; m <= 2 * n; ++m) {
-        if (tracker.at(m, 0).hi95 <= target) return m;
-    }
-    return 0;
-}
-
-struct Milestone {
-    ErrorEstimate error;
-    double truth = 0;
-    double cpu_seconds = 0;
-};
-
-// One render: its claims are added to the calibration, the milestones to the JSON.
-void certify_seed(const AccuracyScene& scene, const RenderSettings& settings,
-                  const CertifyOptions& options, const Reference& reference, WorkerPool& pool,
-                  Calibration& calibration, ordered_json& claims) {
-    MeasuredRender render(scene, settings, pool);
-    render.render_until(1);
-    Film half = render.film();
-    std::vector<Milestone> milestones;
-    std::vector<double> open(std::begin(kTargets), std::end(kTargets));
-    for (uint64_t n = 2; n <= options.to; n *= 2) {
-        render.render_until(n);
-        Milestone m{render.tracker().estimate(), true_error_percent(render.film(), reference),
-                    render.cpu_seconds()};
-        const ErrorEstimate& e = m.error;
-        if (n >= options.from) {
-            calibration.errors.push_back({settings.seed, n, e.relrmse_percent, e.lo95, e.hi95,
-                                          m.truth, e.exponent, e.trust});
-        }
-        ordered_json octave{
-            {"seed", settings.seed},
-            {"samples", n},
-            {"relrmse_percent", e.relrmse_percent},
-            {"lo95", e.lo95},
-            {"hi95", e.hi95},
-            {"truth", m.truth},
-            {"exponent", e.exponent},
-            {"trust", trust_name(e.trust)},
-            {"difference", e.octaves.back().difference},
-            {"standard_error", e.octaves.back().standard_error},
-            {"difference_by_reference",
-             relative_difference(render.film(), half, reference, metric_constant(0))},
-            {"top_share", e.top_share},
-            {"tail_index", e.tail_index},
-            {"energy_drift", e.energy_drift},
-            {"cpu_seconds", m.cpu_seconds}};
-        claims.push_back(std::move(octave));
-        half = render.film();
-        milestones.push_back(std::move(m));
-        if (n == options.to) break;
-        // A target that is met before the first milestone says nothing about the rule.
-        std::erase_if(open, [&](double target) {
-            if (render.tracker().at(n, 0).hi95 <= target) return true;
-            if (n < options.from) return false;
-            const uint64_t stop = stop_within(e, render.tracker(), target);
-            if (stop == 0 || stop == 2 * n) return false;
-            MeasuredRender stopped(scene, settings, pool);
-            stopped.render_unobserved(stop);
-            calibration.stops.push_back({settings.seed, stop, target,
-                                         true_error_percent(stopped.film(), reference), e.trust});
-            return true;
-        });
-    }
-    // CPU seconds, for the machine may have other work.
-    for (std::size_t i = kOctavesForPrediction - 1; i < milestones.size(); ++i) {
-        for (std::size_t j = i + 1; j < milestones.size(); ++j) {
-            ErrorEstimate e = milestones[i].error;
-            if (e.samples < options.from || !(milestones[j].truth < e.relrmse_percent)) continue;
-            e.seconds_per_sample = milestones[i].cpu_seconds / static_cast<double>(e.samples);
-            const ErrorEstimate::Prediction p = e.seconds_to(milestones[j].truth);
-            if (!p.valid) continue;
-            const double spent = milestones[i].cpu_seconds;
-            calibration.predictions.push_back({settings.seed, e.samples, milestones[j].truth,
-                                               spent + p.seconds, spent + p.lo95, spent + p.hi95,
-                                               milestones[j].cpu_seconds, e.trust});
-        }
-    }
 }
 
 ordered_json summary_json(const CalibrationSummary& s) {
@@ -182,25 +104,30 @@ ordered_json summary_json(const CalibrationSummary& s) {
             {"interval_log_width", s.mean_width},
             {"predictions", s.predictions},
             {"predictions_close", s.predictions_close},
+            {"predictions_close_in_seconds", s.predictions_close_seconds},
             {"predictions_inside", s.predictions_inside},
             {"actual_over_predicted", s.prediction_ratio},
             {"stops", s.stops},
             {"stops_kept", s.stops_kept},
             {"truth_over_target", s.stop_ratio},
+            {"stop_brightness_percent", s.stop_brightness_percent},
+            {"stop_brightness_sd", s.stop_brightness_sd},
             {"light", {{"green", s.green}, {"amber", s.amber}, {"red", s.red}}}};
 }
 
 void print_header() {
-    std::printf("%-22s %7s %9s %12s %7s %12s %10s %9s  %s\n", "scene", "claims", "coverage",
-                "est./truth", "width", "pred. close", "act./pred.", "stop", "green/amber/red");
+    std::printf("%-26s %7s %9s %11s %7s %12s %11s %10s %7s %11s  %s\n", "scene", "claims",
+                "coverage", "est./truth", "width", "pred. close", "by seconds", "act./pred.",
+                "stop", "brightness", "green/amber/red");
 }
 
 void print_row(const std::string& name, const CalibrationSummary& s) {
     std::printf(
-        "%-22s %7zu %7.1f %% %12.3f %5.1f %% %10.1f %% %10.3f %9.3f  %3.0f/%3.0f/%3.0f %%\n",
+        "%-26s %7zu %7.1f %% %11.3f %5.1f %% %10.1f %% %9.1f %% %10.3f %7.3f %+9.2f %%  "
+        "%3.0f/%3.0f/%3.0f %%\n",
         name.c_str(), s.claims, 100 * s.coverage, s.ratio, 100 * (std::exp(0.5 * s.mean_width) - 1),
-        100 * s.predictions_close, s.prediction_ratio, s.stop_ratio, 100 * s.green, 100 * s.amber,
-        100 * s.red);
+        100 * s.predictions_close, 100 * s.predictions_close_seconds, s.prediction_ratio,
+        s.stop_ratio, s.stop_brightness_percent, 100 * s.green, 100 * s.amber, 100 * s.red);
     std::fflush(stdout);
 }
 
@@ -212,18 +139,78 @@ Resolution scaled_size(const SceneSetup& setup, uint64_t pixels) {
             static_cast<uint32_t>(std::max(1.0, std::round(height)))};
 }
 
+// The scenes given, and those of the list with their options.
+Result<std::vector<Options>> scenes_of(const CertifyOptions& options) {
+    std::vector<Options> scenes;
+    for (const std::string& file : options.scenes) {
+        Options scene;
+        scene.scene_file = file;
+        scene.environment = options.environment;
+        scenes.push_back(std::move(scene));
+    }
+    if (options.list.empty()) return scenes;
+    const Result<std::vector<uint8_t>> text = read_file(options.list);
+    if (!text) return text.error();
+    std::istringstream lines(std::string(text->begin(), text->end()));
+    int number = 0;
+    for (std::string line; std::getline(lines, line);) {
+        ++number;
+        std::istringstream words(line.substr(0, line.find('#')));
+        std::vector<std::string> copies{"talbot"};
+        for (std::string word; words >> word;) copies.push_back(word);
+        if (copies.size() == 1) continue;
+        std::vector<char*> argv;
+        for (std::string& word : copies) argv.push_back(word.data());
+        const Result<std::optional<Options>> scene =
+            parse_options(static_cast<int>(argv.size()), argv.data());
+        if (!scene)
+            return Error{ErrorKind::bad_input, options.list, "line " + std::to_string(number),
+                         scene.error().line()};
+        if (!*scene || (*scene)->scene_file.empty())
+            return Error{ErrorKind::bad_input, options.list, "line " + std::to_string(number),
+                         "begins with no scene"};
+        scenes.push_back(**scene);
+    }
+    return scenes;
+}
+
+std::string words_of(const Options& o) {
+    std::string name = scene_path(o).filename().string();
+    if (!o.render.next_event_estimation) name += " no-nee";
+    if (o.display.exposure_ev != 0) {
+        char text[32];
+        std::snprintf(text, sizeof(text), " %+.3g EV", static_cast<double>(o.display.exposure_ev));
+        name += text;
+    }
+    return name;
+}
+
+ordered_json stops_json(const Calibration& calibration) {
+    ordered_json rows = ordered_json::array();
+    for (const StopClaim& s : calibration.stops) {
+        rows.push_back({{"seed", s.seed},
+                        {"samples", s.samples},
+                        {"target_percent", s.target_percent},
+                        {"truth", s.truth},
+                        {"brightness_percent", s.brightness_percent},
+                        {"trust", trust_name(s.trust)}});
+    }
+    return rows;
+}
+
 Status certify(const CertifyOptions& options, bool& kept) {
     WorkerPool pool(options.threads);
+    const Result<std::vector<Options>> scenes = scenes_of(options);
+    if (!scenes) return scenes.error();
     std::vector<Calibration> all;
     ordered_json rows = ordered_json::array();
     if (options.json != "-") print_header();
     std::vector<std::string> broken;
-    for (const std::string& file : options.scenes) {
-        Options scene_options;
-        scene_options.scene_file = file;
-        scene_options.environment = options.environment;
+    for (const Options& scene_options : *scenes) {
         Result<AccuracyScene> scene = load_accuracy_scene(scene_options, pool);
         if (!scene) return scene.error();
+        // References of the same scene with other settings are other files of the cache.
+        if (!scene_options.render.next_event_estimation) scene->name += "-no-nee";
         RenderSettings settings = scene->setup.settings;
         const Resolution size = scaled_size(scene->setup, options.pixels);
         settings.width = size.width;
@@ -232,20 +219,26 @@ Status certify(const CertifyOptions& options, bool& kept) {
             *scene, settings, options.reference_factor * options.to, options.cache, pool);
         if (!reference) return reference.error();
         Calibration calibration;
-        calibration.scene = scene->name;
+        calibration.scene = words_of(scene_options);
         ordered_json claims = ordered_json::array();
         for (uint64_t seed = 0; seed < options.seeds; ++seed) {
+            constexpr uint64_t kLongRenders = 5;  // one in so many
             settings.seed = seed;
-            certify_seed(*scene, settings, options, *reference, pool, calibration, claims);
+            ClaimPlan plan{options.from, options.to, options.to};
+            if (seed % kLongRenders == 0) plan.stop_to = options.stop_to;
+            claim_seed(*scene, settings, plan, *reference, pool, calibration, claims);
         }
         const CalibrationSummary summary = summarise({&calibration});
         if (options.json != "-") print_row(calibration.scene, summary);
         for (const std::string& line : broken_promises(summary, false))
             broken.push_back(calibration.scene + ": " + line);
-        rows.push_back({{"scene", file},
+        rows.push_back({{"scene", calibration.scene},
+                        {"file", scene_path(scene_options).string()},
                         {"size", {settings.width, settings.height}},
+                        {"exposure_ev", scene->exposure_ev},
                         {"reference_samples", reference->samples},
                         {"summary", summary_json(summary)},
+                        {"stops", stops_json(calibration)},
                         {"claims", std::move(claims)}});
         all.push_back(std::move(calibration));
     }
@@ -263,6 +256,7 @@ Status certify(const CertifyOptions& options, bool& kept) {
     const ordered_json j{{"schema", "talbot-certify/1"},
                          {"seeds", options.seeds},
                          {"milestones", {options.from, options.to}},
+                         {"stop_to", options.stop_to},
                          {"reference_factor", options.reference_factor},
                          {"scenes", std::move(rows)},
                          {"all", summary_json(whole)},

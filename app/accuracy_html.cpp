@@ -1,13 +1,10 @@
 // The report as one HTML file: table, curves as SVG with values under the pointer, pictures with a
 // wipe, error map. No network, no library; the figures are the JSON of --json, embedded.
-#include <unistd.h>
-
 #include <cstdio>
-#include <filesystem>
 
 #include "app/accuracy_report.h"
+#include "app/html_text.h"
 #include "core/accuracy/metrics.h"
-#include "core/io/image_io.h"
 
 namespace talbot {
 namespace {
@@ -76,8 +73,14 @@ report.results.forEach((r,i)=>{const c=r.curve.filter(p=>p.lo95>0&&p.seconds>0),
    'class':'point'},g);
   dot.addEventListener('mouseenter',e=>{tip.textContent=r.configuration+'\n'+p.samples+' samples, '+
    figure(p.seconds)+' s\nerror '+figure(p.relrmse_percent)+' % ('+figure(p.lo95)+' to '+figure(p.hi95)+
-   ')';tip.style.display='block';tip.style.left=e.clientX+12+'px';tip.style.top=e.clientY+12+'px';});
+   ')';tip.style.display='block';
+   tip.style.left=Math.min(e.clientX+12,document.documentElement.clientWidth-tip.offsetWidth-8)+'px';
+   tip.style.top=Math.min(e.clientY+12,innerHeight-tip.offsetHeight-8)+'px';});
   dot.addEventListener('mouseleave',()=>{tip.style.display='none';});});});}
+if(report.why){const body=document.querySelector('#why tbody');document.getElementById('why').hidden=false;
+ [report.why.kinds,report.why.lights].forEach(list=>list.forEach(s=>{const row=body.insertRow();
+  [s.label,(100*s.error_share).toFixed(1)+' %',(100*s.light_share).toFixed(1)+' %',
+   s.help?s.help+': '+figure(s.help_factor)+'x':''].forEach(t=>{row.insertCell().textContent=t;});}));}
 const left=document.getElementById('left'),right=document.getElementById('right');
 const chooser=(select,pick)=>{pictures.images.forEach((p,i)=>select.add(new Option(p.name,i)));
  select.selectedIndex=pick;};
@@ -87,34 +90,12 @@ const over=document.querySelector('.over'),range=document.getElementById('range'
 const show=()=>{left.src=pictures.images[a.value].url;right.src=pictures.images[b.value].url;wipe();};
 const wipe=()=>{const w=document.querySelector('.wipe').clientWidth;over.style.width=w*range.value/100+'px';};
 [a,b].forEach(s=>s.addEventListener('change',show));range.addEventListener('input',wipe);
-right.addEventListener('load',wipe);show();
+right.addEventListener('load',()=>{const w=Math.max(480,right.naturalWidth)+'px';
+ left.style.width=w;right.style.width=w;wipe();});show();
 document.getElementById('copy').addEventListener('click',()=>{
  const text=document.getElementById('command').textContent;
  if(navigator.clipboard)navigator.clipboard.writeText(text);});
 )";
-
-std::string escape(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            default:
-                out += c;
-        }
-    }
-    return out;
-}
 
 // Inside a script element nothing may look like its end.
 std::string embed(std::string json) {
@@ -130,35 +111,6 @@ std::string json_string(const std::string& text) {
         out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
     }
     return out + '"';
-}
-
-std::string base64(const std::vector<uint8_t>& bytes) {
-    static constexpr char kDigits[] =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    out.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        const auto at = [&](std::size_t k) {
-            return i + k < bytes.size() ? uint32_t{bytes[i + k]} : 0u;
-        };
-        const uint32_t group = at(0) << 16 | at(1) << 8 | at(2);
-        for (int d = 0; d < 4; ++d) {
-            const bool padding = i + static_cast<std::size_t>(d) > bytes.size();
-            out += padding ? '=' : kDigits[(group >> (18 - 6 * d)) & 63];
-        }
-    }
-    return out;
-}
-
-Result<std::string> data_url(const ImageBytes& image) {
-    const std::filesystem::path file = std::filesystem::temp_directory_path() /
-                                       ("talbot-report-" + std::to_string(getpid()) + ".png");
-    if (const Status saved = save_png(file, image); !saved) return saved.error();
-    const Result<std::vector<uint8_t>> bytes = read_file(file);
-    std::error_code ignored;
-    std::filesystem::remove(file, ignored);
-    if (!bytes) return bytes.error();
-    return "data:image/png;base64," + base64(*bytes);
 }
 
 // Blocks as pixels of the image's size.
@@ -179,7 +131,7 @@ ImageBytes block_map(const SweepResult& r) {
 Result<std::string> pictures_json(const AccuracyReport& report) {
     std::string colors, images;
     const auto add = [&](const std::string& name, const ImageBytes& image) -> Status {
-        const Result<std::string> url = data_url(image);
+        const Result<std::string> url = png_data_url(image);
         if (!url) return url.error();
         images += (images.empty() ? "" : ",") + std::string("{\"name\":") + json_string(name) +
                   ",\"url\":" + json_string(*url) + "}";
@@ -214,10 +166,10 @@ Result<std::string> report_html(const AccuracyReport& report) {
     std::snprintf(target, sizeof(target), "%.3g", report.outcome.target_percent);
     std::string html =
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Accuracy of ";
-    html += escape(report.scene_file) + "</title><style>" + kStyle + "</style></head><body><h1>";
-    html += "What accuracy costs: " + escape(report.scene_file) + "</h1>";
-    html += "<h2>Advice</h2><p>" + escape(report.advice) + "</p>";
-    html += "<pre id=\"command\">" + escape(report.advice_command) + "</pre>";
+    html += escape_html(report.scene_file) + "</title><style>" + kStyle + "</style></head><body><h1>";
+    html += "What accuracy costs: " + escape_html(report.scene_file) + "</h1>";
+    html += "<h2>Advice</h2><p>" + escape_html(report.advice) + "</p>";
+    html += "<pre id=\"command\">" + escape_html(report.advice_command) + "</pre>";
     html += "<button id=\"copy\">Copy</button>";
     html += "<h2>Configurations by seconds to " + std::string(target) + " %</h2>";
     html +=
@@ -227,6 +179,9 @@ Result<std::string> report_html(const AccuracyReport& report) {
     html +=
         "<h2>Relative error against seconds, with 95 % bands</h2>"
         "<svg id=\"curves\" viewBox=\"0 0 1000 520\" width=\"100%\"></svg><div id=\"tip\"></div>";
+    html +=
+        "<table id=\"why\" hidden><thead><tr><th>what the error is made of</th><th>error</th>"
+        "<th>light</th><th>help</th></tr></thead><tbody></tbody></table>";
     html +=
         "<h2>Pictures</h2><p><select id=\"a\"></select> | <select id=\"b\"></select> "
         "<input id=\"range\" type=\"range\" min=\"0\" max=\"100\" value=\"50\" "

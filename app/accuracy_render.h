@@ -8,7 +8,7 @@
 #include "app/scene_setup.h"
 #include "core/accuracy/calibration.h"
 #include "core/base/worker_pool.h"
-#include "core/integrate/render_scene.h"
+#include "core/session/prepared_view.h"
 
 namespace talbot {
 
@@ -18,6 +18,7 @@ struct AccuracyScene {
     SceneSetup setup;
     std::shared_ptr<const RenderScene> render_scene;
     EffectReport effects;
+    float exposure_ev = 0;  // of the error metric
 };
 
 Result<AccuracyScene> load_accuracy_scene(const Options& options, WorkerPool& pool);
@@ -44,7 +45,7 @@ class MeasuredRender {
     const AccuracyScene& scene_;
     const RenderSettings settings_;
     WorkerPool& pool_;
-    const std::size_t tier_;
+    const PreparedView view_;
     Film film_;
     ErrorTracker tracker_;
     uint64_t samples_ = 0;
@@ -59,6 +60,6 @@ Result<Reference> render_reference(const AccuracyScene& scene, const RenderSetti
                                    uint64_t samples, const std::string& cache, WorkerPool& pool);
 
 // True relRMSE in per cent, and 0 where the difference is no more than the reference's own noise.
-double true_error_percent(const Film& film, const Reference& reference);
+double true_error_percent(const Film& film, const Reference& reference, double exposure_ev);
 
 }  // namespace talbot

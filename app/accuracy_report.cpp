@@ -47,7 +47,9 @@ ordered_json result_json(const SweepResult& r, std::size_t rank) {
                      {"significant", f.significant},
                      {"z", number(f.z)},
                      {"block_p_value", f.block_p_value},
-                     {"brightness_percent", f.brightness_percent}};
+                     {"brightness_percent", f.brightness_percent},
+                     {"loss_after_seconds",
+                      r.loss_after_seconds ? number(*r.loss_after_seconds) : ordered_json()}};
     } else {
         j["bias"] = nullptr;
     }
@@ -56,6 +58,30 @@ ordered_json result_json(const SweepResult& r, std::size_t rank) {
     j["curve"] = ordered_json::array();
     for (const CurvePoint& p : r.curve) j["curve"].push_back(point_json(p));
     return j;
+}
+
+ordered_json shares_json(const ErrorShares& shares) {
+    if (!shares.valid) return nullptr;
+    const auto rows = [](const std::vector<ErrorShare>& list) {
+        ordered_json json = ordered_json::array();
+        for (const ErrorShare& s : list) {
+            json.push_back({{"name", s.name},
+                            {"label", s.label},
+                            {"error_share", s.error},
+                            {"error_share_sd", s.error_sd},
+                            {"light_share", s.light},
+                            {"help", s.help},
+                            {"help_factor", s.help_factor}});
+        }
+        return json;
+    };
+    return {{"kinds", rows(shares.kinds)},
+            {"lights", rows(shares.lights)},
+            {"help", shares.help},
+            {"help_factor", shares.help_factor},
+            {"size", {shares.width, shares.height}},
+            {"samples", shares.samples},
+            {"renders", shares.renders}};
 }
 
 }  // namespace
@@ -80,6 +106,7 @@ std::string report_json(const AccuracyReport& report) {
     j["results"] = ordered_json::array();
     for (std::size_t i = 0; i < report.outcome.results.size(); ++i)
         j["results"].push_back(result_json(report.outcome.results[i], i + 1));
+    j["why"] = shares_json(report.shares);
     ordered_json advisor{{"text", report.advice}, {"command", report.advice_command}};
     if (report.verification.done) {
         const Verification& v = report.verification;

@@ -6,6 +6,7 @@
 
 #include "app/accuracy_sweep.h"
 #include "core/film/tone_map.h"
+#include "core/session/error_shares.h"
 
 namespace talbot {
 
@@ -17,6 +18,7 @@ struct AccuracyReport {
     DisplaySettings display;
     SweepOutcome outcome;
     Verification verification;
+    ErrorShares shares;          // of the base; not valid unless asked for
     std::string advice;          // one sentence
     std::string advice_command;  // to copy; empty where there is nothing to advise
 };

@@ -48,6 +48,7 @@ struct SweepResult {
     SweepConfig config;
     std::vector<CurvePoint> curve;
     BiasFloor floor;
+    std::optional<double> loss_after_seconds;  // with a floor: from then on the base is better
     TimeToTarget to_target;
     ErrorEstimate last;
     bool pareto = false;  // no other configuration is both faster and better at its best point

@@ -1,48 +1,31 @@
 #include "app/bias_record.h"
 
-#include <algorithm>
 #include <cmath>
-
-#include "app/accuracy_render.h"
+#include <cstdio>
 
 namespace talbot {
-namespace {
 
-constexpr double kPixels = 4096;
-constexpr uint64_t kSamples = 16;
-
-// Both sides with the same random numbers, as they are at half of the samples and at all.
-BiasFloor compare(const AccuracyScene& scene, const RenderSettings& settings,
-                  const RenderSettings& unbiased, WorkerPool& pool) {
-    MeasuredRender a(scene, settings, pool), b(scene, unbiased, pool);
-    a.render_unobserved(kSamples / 2);
-    b.render_unobserved(kSamples / 2);
-    const Film a_half = a.film(), b_half = b.film();
-    a.render_unobserved(kSamples);
-    b.render_unobserved(kSamples);
-    return measure_floor(a_half, a.film(), b_half, b.film());
+std::vector<BiasEntry> measure_bias(const SceneSetup& setup, double exposure_ev, WorkerPool& pool) {
+    return measure_bias(setup.scene, setup.camera, setup.settings, exposure_ev, pool);
 }
 
-}  // namespace
-
-std::vector<BiasEntry> measure_bias(const SceneSetup& setup, WorkerPool& pool) {
-    std::vector<BiasEntry> ledger;
-    const RenderSettings defaults;
-    if (setup.settings.max_depth >= defaults.max_depth) return ledger;
-    AccuracyScene scene;
-    scene.setup = setup;
-    scene.render_scene = std::make_shared<const RenderScene>(setup.scene);
-    scene.effects = analyse_effects(*setup.scene, setup.camera);
-    RenderSettings settings = setup.settings;
-    const double scale =
-        std::min(1.0, std::sqrt(kPixels / (static_cast<double>(settings.width) * settings.height)));
-    settings.width = std::max(1u, static_cast<uint32_t>(std::lround(settings.width * scale)));
-    settings.height = std::max(1u, static_cast<uint32_t>(std::lround(settings.height * scale)));
-    RenderSettings unbiased = settings;
-    unbiased.max_depth = defaults.max_depth;
-    ledger.push_back({"max-depth " + std::to_string(settings.max_depth),
-                      compare(scene, settings, unbiased, pool)});
-    return ledger;
+std::string bias_sentence(const BiasFloor& floor, std::optional<double> loss_after_seconds) {
+    char text[160];
+    if (!floor.significant) {
+        std::snprintf(text, sizeof(text), "no bias was seen; it would be below %.3g %%",
+                      floor.hi95);
+        return text;
+    }
+    std::snprintf(text, sizeof(text),
+                  "puts a floor of %.3g %% under the error (brightness %+.2g %%)",
+                  floor.relrmse_percent, floor.brightness_percent);
+    std::string sentence = text;
+    if (!loss_after_seconds) return sentence;
+    if (*loss_after_seconds <= 0) return sentence + "; a loss from the start";
+    if (!std::isfinite(*loss_after_seconds))
+        return sentence + "; pays for any time that was looked at";
+    std::snprintf(text, sizeof(text), "; a loss after about %.2g s", *loss_after_seconds);
+    return sentence + text;
 }
 
 }  // namespace talbot

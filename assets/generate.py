@@ -12,14 +12,14 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 
-from generator import cornell, hero, report, report_extended, spheres  # noqa: E402
+from generator import cornell, hero, rare_light, report, report_extended, spheres  # noqa: E402
 from generator.gltf import Document  # noqa: E402
 from generator.validate import InvalidScene, check_scene  # noqa: E402
 
 SCENES_FOLDER = Path(__file__).resolve().parent / "scenes"
 MAX_BYTES = 8_000_000
 SCENES = {"cornell": (cornell, False), "spheres": (spheres, False), "report": (report, False),
-          "report-extended": (report_extended, False), "hero": (hero, True)}
+          "report-extended": (report_extended, False), "rare-light": (rare_light, False), "hero": (hero, True)}
 
 
 def write_scene(name, folder, tessellate=False):

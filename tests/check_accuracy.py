@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Runs `talbot accuracy` as a user does and checks what it writes. Usage: check_accuracy.py TALBOT SOURCE_DIR"""
 import csv
-import html
 import html.parser
 import json
 import math
+import os
 import pathlib
 import re
 import shutil
@@ -78,49 +78,49 @@ def check_html(text, report):
     check(all(p["url"].startswith("data:image/png;base64,iVBORw0KGgo") for p in pictures["images"]), "HTML: pictures are PNG")
 
 
-PROBE = """<script>
-const faults=[];window.onerror=(m)=>{faults.push(m);};console.error=(m)=>{faults.push(String(m));};
-window.addEventListener('load',()=>{
- const over=document.querySelector('.over'),range=document.getElementById('range'),before=over.style.width;
- range.value=20;range.dispatchEvent(new Event('input'));const after=over.style.width;
- const point=document.querySelector('circle.point');point.dispatchEvent(new MouseEvent('mouseenter',{clientX:5,clientY:5}));
- const tip=document.getElementById('tip'),text=tip.textContent;
- const loads=performance.getEntriesByType('resource').filter(e=>!e.name.startsWith('data:')).map(e=>e.name);
- const out=document.createElement('pre');out.id='probe';out.textContent=JSON.stringify({before,after,text,loads,faults,
-  rows:document.querySelectorAll('#table tbody tr').length,curves:document.querySelectorAll('polyline').length,
-  width:document.getElementById('left').naturalWidth});document.body.append(out);});
-</script>"""
+def browser_tools():
+    """Chromium, node and the folder whose node_modules has playwright-core; None where one of them is missing."""
+    browser = shutil.which("chromium") or shutil.which("google-chrome")
+    node = shutil.which("node")
+    places = [os.environ.get("TALBOT_NODE_MODULES", ""), str(pathlib.Path(__file__).parent), os.getcwd(), "/usr/share", "/usr/lib"]
+    folder = next((p for p in places if p and (pathlib.Path(p) / "node_modules/playwright-core").is_dir()), None)
+    return (browser, node, folder) if browser and node and folder else None
 
 
 def check_in_browser(file, report):
-    """Moves the slider and reads a value under the pointer, where there is a browser."""
-    browser = shutil.which("chromium") or shutil.which("google-chrome")
-    if not browser:
-        print("no chromium: the report was not opened")
+    """Drags the wipe and reads a value under the pointer in headless Chromium."""
+    tools = browser_tools()
+    if not tools:
+        print("SKIPPED: the report was not opened in a browser. It needs chromium, node and playwright-core: apt-get install "
+              "chromium nodejs npm; npm install --prefix DIR playwright-core; TALBOT_NODE_MODULES=DIR")
         return
-    page = pathlib.Path(file)
-    probed = page.with_name("probed.html")
-    probed.write_text(page.read_text().replace("<head>", "<head>" + PROBE, 1))
-    with tempfile.TemporaryDirectory() as profile:
-        done = subprocess.run([browser, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={profile}",
-                               "--virtual-time-budget=3000", "--dump-dom", probed.as_uri()], capture_output=True, text=True, timeout=120)
-    found = re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.S)
-    check(found, f"browser: no answer: {done.stderr[-400:]}")
-    if not found:
+    browser, node, folder = tools
+    screenshot = os.environ.get("TALBOT_REPORT_SCREENSHOT", "")
+    done = subprocess.run([node, str(pathlib.Path(__file__).with_name("report_browser.mjs")), file, browser, screenshot],
+                          capture_output=True, text=True, timeout=240, env={**os.environ, "TALBOT_NODE_MODULES": folder})
+    check(done.returncode == 0, f"browser: {done.stdout[-400:]}{done.stderr[-800:]}")
+    if done.returncode != 0:
         return
-    seen = json.loads(html.unescape(found[1]))
-    check(not seen["faults"], f"browser: {seen['faults']}")
-    check(not seen["loads"], f"browser: loaded {seen['loads']}")
-    check(seen["before"] != seen["after"] and seen["after"].endswith("px"), f"browser: the wipe: {seen}")
-    check("samples" in seen["text"] and "%" in seen["text"], f"browser: under the pointer: {seen['text']}")
-    check(seen["rows"] == seen["curves"] == len(report["results"]), f"browser: rows and curves: {seen}")
-    check(seen["width"] == report["size"][0], f"browser: picture: {seen}")
+    seen = json.loads(done.stdout)
+    check(not seen["faults"], f"browser: console errors: {seen['faults']}")
+    check(not seen["requests"], f"browser: requests: {seen['requests']}")
+    check(abs(seen["before"] - 0.5 * seen["picture"]) < 3, f"browser: the wipe begins in the middle: {seen}")
+    check(5 < seen["value"] < 40 and abs(seen["after"] - seen["picture"] * seen["value"] / 100) < 3, f"browser: the wipe follows: {seen}")
+    last = report["results"][-1]
+    expected = f"{last['configuration']}\n{last['curve'][-1]['samples']} samples"
+    check(seen["tipShown"] and seen["tip"].startswith(expected), f"browser: under the pointer: {seen['tip']!r}, not {expected!r}")
+    check(seen["points"] == sum(len(r["curve"]) for r in report["results"]), f"browser: a point for each value: {seen}")
+    check(seen["rows"] == len(report["results"]), f"browser: rows: {seen}")
+    why = report["why"]
+    check(seen["why"] == (len(why["kinds"]) + len(why["lights"]) if why else 0), f"browser: rows of the reasons: {seen}")
+    check(seen["chosen"] == "data:image/png;base64,", f"browser: a picture is chosen: {seen}")
+    print("opened in a browser:", {k: seen[k] for k in ("before", "after", "tip", "points", "rows", "why")})
 
 
 def check_sweep(talbot, scene, folder):
     files = {kind: str(folder / f"report.{kind}") for kind in ("json", "csv", "html", "png")}
     words = [talbot, "accuracy", scene, "--size", "48x48", "--budget", "6", "--sweep", "max-depth=1,2", "--sweep",
-             "sampler=independent", "--sweep", "nee=off"]
+             "sampler=independent", "--sweep", "nee=off", "--why"]
     for kind, file in files.items():
         words += [f"--{kind}", file]
     printed = run(*words).stdout
@@ -142,7 +142,18 @@ def check_sweep(talbot, scene, folder):
         bias = results[depth]["bias"]
         check(bias["significant"] and bias["floor_percent"] > 3, f"{depth}: bias {bias}")
         check(bias["brightness_percent"] < -1, f"{depth}: brightness {bias}")
+        check(bias["loss_after_seconds"] is not None and bias["loss_after_seconds"] < 60, f"{depth}: pays for a while at most: {bias}")
     check(results["max-depth=1"]["bias"]["floor_percent"] > results["max-depth=2"]["bias"]["floor_percent"], "order of the floors")
+    check("puts a floor" in printed, "the ledger is printed")
+    why = report["why"]
+    for rows in (why["kinds"], why["lights"]):
+        check(abs(sum(r["error_share"] for r in rows) - 1) < 0.01, f"why: shares of the error add up: {rows}")
+        check(abs(sum(r["light_share"] for r in rows) - 1) < 0.01, f"why: shares of the light add up: {rows}")
+    kinds = {r["name"]: r for r in why["kinds"]}
+    check(kinds["indirect"]["error_share"] + kinds["direct"]["error_share"] > 0.8, f"why: a room without mirrors: {kinds}")
+    check(kinds["caustic"]["light_share"] == 0, f"why: no caustics: {kinds}")
+    check(why["lights"][0]["name"] == "light" and why["lights"][0]["light_share"] > 0.99, f"why: one lamp: {why['lights']}")
+    check("what the error is made of" in printed, "why: printed")
     check(results["nee=off"]["bias"] is None, "finding lights by chance is not biased")
     if results["nee=off"]["to_target"]["seconds"] is not None and results["base"]["to_target"]["seconds"] is not None:
         check(results["nee=off"]["to_target"]["seconds"] > results["base"]["to_target"]["seconds"], "light sampling pays")
@@ -156,12 +167,44 @@ def check_sweep(talbot, scene, folder):
     check_in_browser(files["html"], report)
 
 
+def check_ab(talbot, scene, folder):
+    file = str(folder / "ab.json")
+    printed = run(talbot, "accuracy", "ab", scene, "--size", "48x48", "--budget", "60", "--until-decided", "--b", "--no-nee",
+                  "--json", file).stdout
+    report = json.load(open(file))
+    check(report["schema"] == "talbot-ab/1" and report["size"] == [48, 48], "ab: schema and size")
+    verdict = report["verdict"]
+    check(verdict["winner"] == "a" and verdict["hi95"] < 1, f"ab: light sampling pays: {verdict}")
+    check(verdict["lo95"] <= verdict["b_over_a"] <= verdict["hi95"], f"ab: interval: {verdict}")
+    check(verdict["text"] in printed and verdict["text"].startswith("A is "), f"ab: the verdict is printed: {printed}")
+    check(report["a"]["relrmse_percent"] < report["b"]["relrmse_percent"], f"ab: errors: {report}")
+    for words in (["--a", "--size 3x3"], ["--b", "--orbit 0,0,0,0,60,5,40"], ["--b", "--nonsense"], ["--budget", "0"]):
+        run(talbot, "accuracy", "ab", scene, *words, code=2)
+    run(talbot, "accuracy", "ab", "/no/such/scene.glb", code=3)
+
+
+def check_list(talbot, scene, folder):
+    """A list of scenes with options, and what is wrong with one."""
+    listed = folder / "list.txt"
+    listed.write_text(f"# two views\n{scene} --exposure 2\n\n{scene} --no-nee # by chance\n")
+    done = subprocess.run([talbot, "accuracy", "certify", "--list", str(listed), "--seeds", "1", "--from", "2", "--to", "4", "--pixels",
+                           "64", "--reference-factor", "4", "--stop-to", "8", "--json", "-"], capture_output=True, text=True, timeout=200)
+    check(done.returncode in (0, 1), f"certify --list: {done.stderr}")
+    scenes = json.loads(done.stdout)["scenes"]
+    check([s["scene"] for s in scenes] == ["cornell.gltf +2 EV", "cornell.gltf no-nee"], f"certify --list: {[s['scene'] for s in scenes]}")
+    check(scenes[0]["exposure_ev"] == 2, "certify --list: exposure")
+    listed.write_text(f"{scene}\n{scene} --no-such\n")
+    refused = run(talbot, "accuracy", "certify", "--list", str(listed), code=3)
+    check("line 2" in refused.stderr and refused.stderr.count("\n") == 1, f"certify --list: {refused.stderr}")
+
+
 def main():
     talbot, source = sys.argv[1], pathlib.Path(sys.argv[2])
     scene = str(source / "assets/scenes/cornell.gltf")
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         check_sweep(talbot, scene, folder)
+        check_ab(talbot, scene, folder)
         words = [talbot, "accuracy", "certify", scene, "--seeds", "2", "--from", "16", "--to", "32", "--pixels", "256",
                  "--reference-factor", "16", "--cache", name, "--json", str(folder / "certify.json")]
         first = subprocess.run(words, capture_output=True, text=True, timeout=200)
@@ -171,6 +214,7 @@ def main():
         check((first.returncode == 1) == bool(certificate["broken"]), "certify: exit code 1 when broken")
         check(len(list(folder.glob("*.film"))) == 4, "certify: references in the cache")
         claims = certificate["scenes"][0]["claims"]
+        check_list(talbot, scene, folder)
         check(all(0.4 < c["relrmse_percent"] / c["truth"] < 2.5 for c in claims if c["samples"] >= 16), "certify: claims near the truth")
     for words in (["accuracy", scene, "--sweep", "depth=3"], ["accuracy", scene, "--sweep", "max-depth"],
                   ["accuracy", scene, "--sweep", "nee=maybe"], ["accuracy", scene, "--budget", "0"],

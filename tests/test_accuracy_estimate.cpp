@@ -72,6 +72,38 @@ TEST(Accuracy, ScrambledPointsAreEstimated) {
     EXPECT_GT(s.coverage, 0.85);
 }
 
+TEST(Accuracy, ExposureChangesTheMetricOfAllOctaves) {
+    // The dark half of each picture weighs more the brighter it is developed.
+    for (const synthetic::Scene& scene : synthetic::scenes()) {
+        for (const float ev : {-4.0f, 3.0f}) {
+            Picture picture(scene, 40, true, 9);
+            ErrorTracker from_start, later;
+            from_start.reset(ev);
+            later.reset(0);
+            for (uint64_t n = 1; n <= 64; n *= 2) {
+                picture.render_until(n);
+                from_start.observe(picture.film, n, static_cast<double>(n));
+                later.observe(picture.film, n, static_cast<double>(n));
+            }
+            const ErrorEstimate before = later.estimate();
+            later.set_exposure(ev, 40);
+            const double asked = from_start.estimate().relrmse_percent;
+            const double truth =
+                100 * std::sqrt(picture.true_relmse(metric_constant(static_cast<double>(ev))));
+            const double changed = later.estimate().relrmse_percent;
+            EXPECT_NEAR(changed / asked, 1, 0.05) << scene.name << " " << ev;
+            EXPECT_GT(truth, 0.65 * later.estimate().lo95) << scene.name << " " << ev;
+            EXPECT_LT(truth, 1.5 * later.estimate().hi95) << scene.name << " " << ev;
+            EXPECT_EQ(later.estimate().samples, 64u);
+            EXPECT_EQ(later.estimate().exposure_ev, static_cast<double>(ev));
+            // What the metric of 0 EV would have said is another figure altogether.
+            EXPECT_GT(std::abs(std::log(before.relrmse_percent / asked)), 0.02) << scene.name;
+            later.set_exposure(0, 40);
+            EXPECT_NEAR(later.estimate().relrmse_percent / before.relrmse_percent, 1, 1e-6);
+        }
+    }
+}
+
 TEST(Accuracy, PromisesAreBrokenByAPlantedError) {
     // Claims that are right by construction: ln truth is Gaussian about ln estimate.
     std::mt19937 random(3);

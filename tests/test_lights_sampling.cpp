@@ -7,10 +7,10 @@
 #include "core/lights/spherical_triangle.h"
 #include "core/lights/surface_light.h"
 #include "core/math/robust.h"
-#include "tests/scene_builder.h"
-#include "tests/stats/chi2.h"
-#include "tests/stats/random.h"
-#include "tests/stats/ztest.h"
+#include "oracles/scene_builder.h"
+#include "oracles/stats/chi2.h"
+#include "oracles/stats/random.h"
+#include "oracles/stats/ztest.h"
 
 namespace talbot {
 namespace {
@@ -172,6 +172,22 @@ TEST(LightSampling, SpheresFollowTheirDensity) {
         EXPECT_GT(stats::chi2_test(observed, expected).p, significance) << radius;
         EXPECT_LT(stats::chi2_test(observed, with_fault(expected)).p, 1e-9) << radius;
     }
+}
+
+// The density of a sphere is that of its exact radius, which a float cannot always say: seen from a
+// breath above it the cone's cosine is as sensitive as can be.
+TEST(LightSampling, ASphereIsSeenByItsExactRadius) {
+    SceneBuilder builder;
+    builder.sphere(Vec3d(0), 0.1, builder.material(lamp()));
+    const auto scene = builder.build(workers());
+    const LightTable table(*scene);
+    const Vec3f p(0, 0, 0.1f + 0x1p-27f);
+    const double sine = 0.1 / p.z;
+    const double omega = 2 * std::numbers::pi * (1 - std::sqrt(1 - sine * sine));
+    EXPECT_NEAR(pdf_sphere_light(table.lights()[0], p) * omega, 1, 1e-6);
+    const double rounded = double{0.1f} / p.z;
+    const double control = 2 * std::numbers::pi * (1 - std::sqrt(1 - rounded * rounded));
+    EXPECT_GT(std::abs(control / omega - 1), 1e-5) << "control: the radius as a float";
 }
 
 std::shared_ptr<const EnvironmentImage> sky_image(uint32_t w, uint32_t h) {

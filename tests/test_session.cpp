@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "core/session/session.h"
-#include "tests/scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot {
 namespace {
@@ -139,6 +139,29 @@ TEST(Session, PicksTheObjectUnderAPixel) {
     const std::optional<Pick> found = pick(*scene, room_camera(), 64, 64, 32, 32);
     ASSERT_TRUE(found);
     EXPECT_LT(found->object, scene->objects().size());
+}
+
+TEST(Session, ExposureOfTheErrorRestartsNothing) {
+    RenderSession session(SessionPolicy{});
+    session.submit(SetSettings{small()});
+    session.submit(SetPassLimit{16});
+    const uint64_t first = session.submit(SetScene{lamp_room(), room_camera()});
+    ASSERT_TRUE(session.wait_for(first, 16, 120));
+    const std::string hash = film_hash(session);
+    const ErrorEstimate before = session.latest()->error;
+    const uint64_t second = session.submit(SetErrorExposure{4});
+    ASSERT_TRUE(session.wait_for(second, 16, 120));
+    const auto after = session.latest();
+    EXPECT_EQ(after->passes, 16u);
+    EXPECT_EQ(film_hash(session), hash);
+    EXPECT_EQ(after->error.exposure_ev, 4);
+    EXPECT_EQ(after->error.octaves.size(), before.octaves.size());
+    EXPECT_NE(after->error.relrmse_percent, before.relrmse_percent);
+    // And a render that begins later is measured after it from the start.
+    const uint64_t third = session.submit(Restart{});
+    ASSERT_TRUE(session.wait_for(third, 16, 120));
+    EXPECT_EQ(session.latest()->error.exposure_ev, 4);
+    EXPECT_NEAR(session.latest()->error.relrmse_percent / after->error.relrmse_percent, 1, 0.05);
 }
 
 }  // namespace

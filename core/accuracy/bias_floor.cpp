@@ -35,8 +35,9 @@ struct BlockSums {
 }  // namespace
 
 BiasFloor measure_floor(const Film& half, const Film& now, const Film& base_half,
-                        const Film& base_now) {
+                        const Film& base_now, double exposure_ev) {
     BiasFloor floor;
+    const double constant = metric_constant(exposure_ev);
     const uint32_t width = now.width(), height = now.height();
     const bool alike = half.width() == width && base_now.width() == width &&
                        base_half.width() == width && base_now.height() == height;
@@ -56,7 +57,7 @@ BiasFloor measure_floor(const Film& half, const Film& now, const Film& base_half
                 const double b = later_mean(now.pixel(x, y), half.pixel(x, y), c) -
                                  later_mean(base_now.pixel(x, y), base_half.pixel(x, y), c);
                 const double r = mean_of(base_now.pixel(x, y), c);
-                block.product += a * b / (r * r + metric_constant(0));
+                block.product += a * b / (r * r + constant);
                 first += a;
                 second += b;
                 change += mean_of(now.pixel(x, y), c) - r;

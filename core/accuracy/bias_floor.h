@@ -17,8 +17,9 @@ struct BiasFloor {
 };
 
 // Compares a film with the base's film of the same samples, seed and size: both as they were at
-// half their samples, and now. All zero where there is no half.
+// half their samples, and now. All zero where there is no half. The metric is taken after an
+// exposure.
 BiasFloor measure_floor(const Film& half, const Film& now, const Film& base_half,
-                        const Film& base_now);
+                        const Film& base_now, double exposure_ev = 0);
 
 }  // namespace talbot

@@ -94,6 +94,17 @@ double true_relmse(const Film& film, const Reference& reference, double metric_c
     return sum / (3 * static_cast<double>(pixels));
 }
 
+double brightness_percent(const Film& film, const Reference& reference) {
+    double sum = 0, expected = 0;
+    for (std::size_t i = 0; i < film.pixels().size(); ++i) {
+        for (int c = 0; c < 3; ++c) {
+            sum += pixel_mean(film.pixels()[i], c);
+            expected += static_cast<double>(reference.image.rgb[i][c]);
+        }
+    }
+    return expected > 0 ? 100 * (sum / expected - 1) : 0;
+}
+
 double relative_difference(const Film& a, const Film& b, const Reference& reference,
                            double metric_constant) {
     const std::size_t pixels = a.pixels().size();
@@ -113,6 +124,8 @@ CalibrationSummary summarise(const std::vector<const Calibration*>& scenes) {
     CalibrationSummary s;
     double log_ratio = 0, log_prediction = 0, log_stop = 0;
     std::size_t inside = 0, judged = 0, close = 0, inside_predictions = 0, kept = 0;
+    std::size_t close_seconds = 0, lit_stops = 0;
+    double brightness = 0, brightness_square = 0;
     std::size_t lights[4] = {0, 0, 0, 0};
     std::vector<Cluster> clusters;
     for (const Calibration* scene : scenes) {
@@ -137,9 +150,15 @@ CalibrationSummary summarise(const std::vector<const Calibration*>& scenes) {
             ++s.predictions;
             close += p.close() ? 1 : 0;
             inside_predictions += p.lo95 <= p.actual && p.actual <= p.hi95 ? 1 : 0;
+            close_seconds += p.close_in_seconds() ? 1 : 0;
             log_prediction += std::log(p.actual / p.predicted);
         }
         for (const StopClaim& stop : scene->stops) {
+            if (stop.trust != Trust::red) {
+                ++lit_stops;
+                brightness += stop.brightness_percent;
+                brightness_square += stop.brightness_percent * stop.brightness_percent;
+            }
             if (stop.trust != Trust::green || !(stop.truth > 0)) continue;
             ++s.stops;
             kept += stop.kept() ? 1 : 0;
@@ -155,9 +174,15 @@ CalibrationSummary summarise(const std::vector<const Calibration*>& scenes) {
     s.mean_width = mean(s.mean_width, s.claims);
     s.predictions_close = share(close, s.predictions);
     s.predictions_inside = share(inside_predictions, s.predictions);
+    s.predictions_close_seconds = share(close_seconds, s.predictions);
     s.prediction_ratio = std::exp(mean(log_prediction, s.predictions));
     s.stops_kept = share(kept, s.stops);
     s.stop_ratio = std::exp(mean(log_stop, s.stops));
+    s.stop_brightness_percent = mean(brightness, lit_stops);
+    const double spread =
+        mean(brightness_square, lit_stops) - s.stop_brightness_percent * s.stop_brightness_percent;
+    s.stop_brightness_sd =
+        lit_stops < 2 ? 0 : std::sqrt(std::max(0.0, spread) / static_cast<double>(lit_stops - 1));
     s.green = share(lights[static_cast<int>(Trust::green)], judged);
     s.amber = share(lights[static_cast<int>(Trust::amber)], judged);
     s.red = share(lights[static_cast<int>(Trust::red)], judged);
@@ -166,6 +191,12 @@ CalibrationSummary summarise(const std::vector<const Calibration*>& scenes) {
 
 std::vector<std::string> broken_promises(const CalibrationSummary& s, bool whole) {
     std::vector<std::string> broken;
+    constexpr double kMostBrightness = 0.5;
+    if (!whole &&
+        std::abs(s.stop_brightness_percent) > std::max(kMostBrightness, 3 * s.stop_brightness_sd)) {
+        broken.push_back("renders that stopped at a target are off in brightness by " +
+                         percent_text(s.stop_brightness_percent / 100) + ", promised 0.5 %");
+    }
     if (s.claims == 0) {
         if (whole) broken.push_back("no claim had a green light: nothing was proved");
         return broken;

@@ -26,6 +26,9 @@ Reference make_reference(const std::vector<const Film*>& renders);
 // where the film is no worse than the reference.
 double true_relmse(const Film& film, const Reference& reference, double metric_constant);
 
+// Mean of a film over the reference's, minus 1, in per cent; 0 where the reference is black.
+double brightness_percent(const Film& film, const Reference& reference);
+
 // relMSE-weighted squared difference of two films with the reference in the denominator: what an
 // octave's difference would be if the converged image were known.
 double relative_difference(const Film& a, const Film& b, const Reference& reference,
@@ -45,7 +48,9 @@ struct ErrorClaim {
     bool inside() const { return lo95 <= truth && truth <= hi95; }
 };
 
-// Seconds from the start to a target error: predicted on the way, and taken.
+// From the start of a render to a target error, predicted on the way and taken: in samples a pixel,
+// which is what the estimate answers for, and in seconds, where the clock of a machine with other
+// work comes in.
 struct PredictionClaim {
     uint64_t seed = 0;
     uint64_t samples = 0;  // when it was made
@@ -54,9 +59,13 @@ struct PredictionClaim {
     double lo95 = 0;
     double hi95 = 0;
     double actual = 0;
+    double predicted_seconds = 0;
+    double actual_seconds = 0;
     Trust trust = Trust::unknown;
 
-    bool close() const { return actual >= 0.8 * predicted && actual <= 1.25 * predicted; }
+    static bool within(double ratio) { return ratio >= 0.8 && ratio <= 1.25; }
+    bool close() const { return within(actual / predicted); }
+    bool close_in_seconds() const { return within(actual_seconds / predicted_seconds); }
 };
 
 // A render that ended by its target error.
@@ -65,6 +74,7 @@ struct StopClaim {
     uint64_t samples = 0;
     double target_percent = 0;
     double truth = 0;
+    double brightness_percent = 0;  // of its mean against the reference's
     Trust trust = Trust::unknown;
 
     double ratio() const { return truth / target_percent; }
@@ -87,10 +97,15 @@ struct CalibrationSummary {
     std::size_t predictions = 0;
     double predictions_close = 0;  // share with actual over predicted within 0.8 to 1.25
     double predictions_inside = 0;
+    double predictions_close_seconds = 0;  // the same as close, by the clock
     double prediction_ratio = 1;  // geometric mean of actual over predicted
     std::size_t stops = 0;
     double stops_kept = 0;  // share with truth over target within 0.75 to 1.05
     double stop_ratio = 1;  // geometric mean of truth over target
+    // Mean over all renders that stopped without a red light, and its standard deviation: a rule
+    // that stops where light is still missing makes pictures too dark.
+    double stop_brightness_percent = 0;
+    double stop_brightness_sd = 0;
     double green = 0;       // share of all claims from kTrustSamples samples on, by light
     double amber = 0;
     double red = 0;

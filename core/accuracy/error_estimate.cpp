@@ -75,6 +75,32 @@ void weigh_anew(std::vector<Octave>& octaves, const OctaveStatistics& newest) {
     octaves.back().gain = factor;
 }
 
+double ratio_or_one(double now, double before) {
+    const double ratio = now / before;
+    return std::isfinite(ratio) && ratio > 0 ? ratio : 1;
+}
+
+// Brings all octaves from one exposure to another, by what the last of them changes.
+void weigh_by(ErrorTracker::State& state, const OctaveStatistics& before,
+              const OctaveStatistics& now) {
+    const double factor = ratio_or_one(now.difference, before.difference);
+    const double spread = ratio_or_one(now.standard_error, before.standard_error);
+    for (Octave& o : state.octaves) {
+        o.difference *= factor;
+        o.standard_error *= spread;
+    }
+    OctaveStatistics& last = state.last;
+    last.difference *= factor;
+    last.previous_difference *= factor;
+    last.standard_error *= spread;
+    last.top_share = now.top_share;
+    last.tail_index = now.tail_index;
+    for (std::size_t i = 0; i < last.blocks.size() && i < now.blocks.size(); ++i) {
+        last.blocks[i] *= static_cast<float>(ratio_or_one(static_cast<double>(now.blocks[i]),
+                                                          static_cast<double>(before.blocks[i])));
+    }
+}
+
 // d ln samples / d ln seconds, from the time that a sample costs now.
 double samples_growth(const ErrorEstimate& e) {
     const double all = static_cast<double>(e.samples) * e.seconds_per_sample;
@@ -152,6 +178,19 @@ void ErrorTracker::reset(float exposure_ev, uint64_t first_sample) {
     state_.first_sample = first_sample;
 }
 
+void ErrorTracker::set_exposure(float exposure_ev, uint32_t width, WorkerPool* pool) {
+    if (exposure_ev == state_.exposure_ev) return;
+    const auto weighed = [&](float ev) {
+        return weigh_memory(state_.memory, width, metric_constant(static_cast<double>(ev)), pool);
+    };
+    if (!state_.octaves.empty() && state_.last.difference > 0) {
+        const OctaveStatistics before = weighed(state_.exposure_ev), now = weighed(exposure_ev);
+        weigh_by(state_, before, now);
+    }
+    state_.exposure_ev = exposure_ev;
+    derive();
+}
+
 void ErrorTracker::observe(const Film& film, uint64_t passes, double render_seconds,
                            WorkerPool* pool) {
     if (film.pixels().empty() || passes == 0) return;
@@ -171,7 +210,7 @@ void ErrorTracker::observe(const Film& film, uint64_t passes, double render_seco
                                     static_cast<double>(passes - passes / 2);
     } else {
         // The first of all, or a gap: nothing to compare with before the next power of two.
-        state_.memory = {film.image(false).rgb, {}};
+        state_.memory = {exact_image(film), {}};
         state_.octaves.clear();
         state_.last = OctaveStatistics();
     }
@@ -183,6 +222,7 @@ void ErrorTracker::observe(const Film& film, uint64_t passes, double render_seco
 // Everything that follows from the state.
 void ErrorTracker::derive() {
     estimate_ = ErrorEstimate();
+    estimate_.exposure_ev = static_cast<double>(state_.exposure_ev);
     block_errors_.clear();
     if (state_.octaves.empty()) return;
     ErrorEstimate& e = estimate_;

@@ -35,6 +35,7 @@ struct ErrorEstimate {
     uint64_t samples = 0;             // a pixel, when it was taken
     double seconds = 0;               // of rendering, when it was taken
     double seconds_per_sample = 0;    // of all pixels, lately
+    double exposure_ev = 0;           // that the metric was taken after
     double worst_blocks_percent = 0;  // relRMSE that 1 % of the 8x8 blocks exceed
     double top_share = 0;             // of the error, in the 0.1 % of pixels with the largest
     double tail_index = 0;            // Pareto index of the largest blocks
@@ -87,10 +88,15 @@ class ErrorTracker {
         std::vector<Mark> marks;  // only with a first_sample
     };
 
-    // Forgets everything. Exposure in EV scales the metric's constant. With a first_sample the film
+    // Forgets everything. The metric is taken after an exposure in EV. With a first_sample the film
     // is one part of a render, and marks are kept, from which merging can compute the octaves of
     // the whole.
     void reset(float exposure_ev, uint64_t first_sample = 0);
+
+    // The metric of an image of this width from now on, and of all octaves so far, after another
+    // exposure. What is known of the last octave is weighed again, a film scan; the older ones
+    // change by the same factor.
+    void set_exposure(float exposure_ev, uint32_t width, WorkerPool* pool = nullptr);
 
     // To be called after every whole pass. Costs a film scan at powers of two, nothing otherwise. A
     // pool shortens the scan and changes no figure.

@@ -97,31 +97,44 @@ float value_square(float value, float d2, float earlier, const Neighbours& aroun
     return std::max(r * r - 0.5f * weight * weight * d2, 0.25f * r * r);
 }
 
+// What a pass reads and writes. Without a film the last octave is seen again: `full` is its image,
+// `packed` its differences, and nothing is written.
+struct PassImages {
+    uint32_t width = 0;
+    uint32_t height = 0;
+    const FilmPixel* film = nullptr;
+    const Vec3d* half = nullptr;
+    const uint32_t* previous = nullptr;  // null where there is none
+    Vec3d* full = nullptr;
+    uint32_t* packed = nullptr;
+};
+
+Vec3d mean_of(const FilmPixel& pixel) {
+    const double n = static_cast<double>(pixel.samples);
+    return Vec3d(pixel.sum[0].value() / n, pixel.sum[1].value() / n, pixel.sum[2].value() / n);
+}
+
 class StripPass {
   public:
-    StripPass(const Film& film, const OctaveMemory& before, OctaveMemory& after, double constant)
-        : film_(film),
-          half_(before.image),
-          previous_(before.difference),
-          full_(after.image),
-          packed_(after.difference),
+    StripPass(const PassImages& images, double constant)
+        : images_(images),
           constant_(static_cast<float>(constant)),
-          ring_(kWindow, WindowRow(film.width())),
-          padded_(film.width() + 2 * kRadius, 0.0f),
-          square_(film.width()) {
+          ring_(kWindow, WindowRow(images.width)),
+          padded_(images.width + 2 * kRadius, 0.0f),
+          square_(images.width) {
         for (int c = 0; c < 3; ++c) {
-            value_[c].resize(film.width());
-            variance_[c].resize(film.width());
-            noise_[c].resize(film.width());
+            value_[c].resize(images.width);
+            variance_[c].resize(images.width);
+            noise_[c].resize(images.width);
         }
-        quotient_.resize(film.width());
-        previous_quotient_.resize(film.width());
+        quotient_.resize(images.width);
+        previous_quotient_.resize(images.width);
     }
 
     // Rows [begin, end); block sums go to `blocks`.
     StripResult run(uint32_t begin, uint32_t end, std::vector<float>& blocks) {
         StripResult result;
-        const uint32_t height = film_.height();
+        const uint32_t height = images_.height;
         const uint32_t first = begin > kRadius ? begin - kRadius : 0;
         uint32_t loaded = first;
         for (uint32_t y = begin; y < end; ++y) {
@@ -134,21 +147,29 @@ class StripPass {
     }
 
   private:
+    struct Change {
+        Vec3d mean{0};
+        Rgb difference{0};
+    };
+    Change change_of(std::size_t i) const {
+        if (images_.film == nullptr) return {images_.full[i], unpack_difference(images_.packed[i])};
+        const FilmPixel& p = images_.film[i];
+        if (p.samples == 0) return {};
+        const Vec3d mean = mean_of(p);
+        return {mean, Rgb(mean - images_.half[i])};
+    }
+
     void load(uint32_t y, bool keep) {
         WindowRow& row = ring_[y % kWindow];
-        const uint32_t width = film_.width();
+        const uint32_t width = images_.width;
         const std::size_t start = static_cast<std::size_t>(y) * width;
         for (uint32_t x = 0; x < width; ++x) {
-            const FilmPixel& p = film_.pixels()[start + x];
-            Rgb mean(0), difference(0);
-            if (p.samples != 0) {
-                const double n = static_cast<double>(p.samples);
-                for (int c = 0; c < 3; ++c) mean[c] = static_cast<float>(p.sum[c].value() / n);
-                difference = mean - half_[start + x];
-            }
-            if (keep) {
-                full_[start + x] = mean;
-                packed_[start + x] = pack_difference(difference);
+            const Change change = change_of(start + x);
+            const Rgb mean(change.mean);
+            const Rgb& difference = change.difference;
+            if (keep && images_.film != nullptr) {
+                images_.full[start + x] = change.mean;
+                images_.packed[start + x] = pack_difference(difference);
             }
             for (int c = 0; c < 3; ++c) {
                 row.value[c][x] = mean[c];
@@ -166,11 +187,12 @@ class StripPass {
     // quotient_[x] = sum over channels of d^2 / (r^2 + constant) for row y, and the same of the
     // octave before.
     void weigh(uint32_t y, uint32_t first, uint32_t last) {
-        const uint32_t width = film_.width();
+        const uint32_t width = images_.width;
         std::fill(quotient_.begin(), quotient_.end(), 0.0f);
         std::fill(previous_quotient_.begin(), previous_quotient_.end(), 0.0f);
-        const uint32_t* previous =
-            previous_.empty() ? nullptr : previous_.data() + static_cast<std::size_t>(y) * width;
+        const uint32_t* previous = images_.previous == nullptr
+                                       ? nullptr
+                                       : images_.previous + static_cast<std::size_t>(y) * width;
         for (int c = 0; c < 3; ++c) {
             std::fill(value_[c].begin(), value_[c].end(), 0.0f);
             std::fill(variance_[c].begin(), variance_[c].end(), 0.0f);
@@ -208,7 +230,7 @@ class StripPass {
     }
 
     void gather(uint32_t y, StripResult& result, std::vector<float>& blocks) {
-        const uint32_t width = film_.width();
+        const uint32_t width = images_.width;
         const std::size_t columns = (width + kErrorBlock - 1) / kErrorBlock;
         const std::size_t start = static_cast<std::size_t>(y) * width;
         for (uint32_t x = 0; x < width; ++x) {
@@ -219,18 +241,15 @@ class StripPass {
             result.square_sum += wide * wide;
             result.magnitudes.add(q);
             blocks[y / kErrorBlock * columns + x / kErrorBlock] += q;
-            const double change =
-                static_cast<double>(luminance(full_[start + x]) - luminance(half_[start + x]));
+            if (images_.film == nullptr) continue;
+            const double change = static_cast<double>(
+                luminance(Rgb(images_.full[start + x] - images_.half[start + x])));
             result.luminance_change += change;
             result.luminance_square += change * change;
         }
     }
 
-    const Film& film_;
-    const std::vector<Rgb>& half_;
-    const std::vector<uint32_t>& previous_;
-    std::vector<Rgb>& full_;
-    std::vector<uint32_t>& packed_;
+    const PassImages images_;
     float constant_;
     std::vector<WindowRow> ring_;
     std::vector<float> padded_, square_, quotient_, previous_quotient_;
@@ -252,25 +271,18 @@ double top_share(const MagnitudeHistogram& magnitudes, double total, std::size_t
     return sum / total;
 }
 
-}  // namespace
-
-OctaveStatistics compare_octave(const Film& film, OctaveMemory& memory, double metric_constant,
-                                WorkerPool* pool) {
+OctaveStatistics run_passes(const PassImages& images, double metric_constant, WorkerPool* pool) {
     OctaveStatistics statistics;
-    const uint32_t width = film.width(), height = film.height();
-    const std::size_t pixels = film.pixels().size();
-    TALBOT_CHECK(memory.image.size() == pixels);
-    TALBOT_CHECK(memory.difference.empty() || memory.difference.size() == pixels);
-    if (pixels == 0) return statistics;
+    const uint32_t width = images.width, height = images.height;
+    const std::size_t pixels = static_cast<std::size_t>(width) * height;
     const std::size_t columns = (width + kErrorBlock - 1) / kErrorBlock;
     const std::size_t rows = (height + kErrorBlock - 1) / kErrorBlock;
     const uint32_t strips = (height + kStripRows - 1) / kStripRows;
     statistics.blocks.assign(columns * rows, 0);
-    OctaveMemory now{std::vector<Rgb>(pixels), std::vector<uint32_t>(pixels)};
     std::vector<StripResult> results(strips);
     const auto run = [&](uint64_t strip, unsigned) {
         const uint32_t begin = static_cast<uint32_t>(strip) * kStripRows;
-        StripPass pass(film, memory, now, metric_constant);
+        StripPass pass(images, metric_constant);
         results[strip] = pass.run(begin, std::min(begin + kStripRows, height), statistics.blocks);
     };
     if (pool != nullptr) {
@@ -290,7 +302,6 @@ OctaveStatistics compare_octave(const Film& film, OctaveMemory& memory, double m
             total.magnitudes.sum[i] += r.magnitudes.sum[i];
         }
     }
-    memory = std::move(now);
 
     const double n = 3 * static_cast<double>(pixels);
     statistics.difference = total.sum / n;
@@ -311,6 +322,49 @@ OctaveStatistics compare_octave(const Film& film, OctaveMemory& memory, double m
         }
     }
     return statistics;
+}
+
+}  // namespace
+
+std::vector<Vec3d> exact_image(const Film& film) {
+    std::vector<Vec3d> image;
+    image.reserve(film.pixels().size());
+    for (const FilmPixel& pixel : film.pixels())
+        image.push_back(pixel.samples == 0 ? Vec3d(0) : mean_of(pixel));
+    return image;
+}
+
+OctaveStatistics compare_octave(const Film& film, OctaveMemory& memory, double metric_constant,
+                                WorkerPool* pool) {
+    const std::size_t pixels = film.pixels().size();
+    TALBOT_CHECK(memory.image.size() == pixels);
+    TALBOT_CHECK(memory.difference.empty() || memory.difference.size() == pixels);
+    if (pixels == 0) return {};
+    OctaveMemory now{std::vector<Vec3d>(pixels), std::vector<uint32_t>(pixels)};
+    PassImages images;
+    images.width = film.width();
+    images.height = film.height();
+    images.film = film.pixels().data();
+    images.half = memory.image.data();
+    images.previous = memory.difference.empty() ? nullptr : memory.difference.data();
+    images.full = now.image.data();
+    images.packed = now.difference.data();
+    const OctaveStatistics statistics = run_passes(images, metric_constant, pool);
+    memory = std::move(now);
+    return statistics;
+}
+
+OctaveStatistics weigh_memory(OctaveMemory& memory, uint32_t width, double metric_constant,
+                              WorkerPool* pool) {
+    const std::size_t pixels = memory.image.size();
+    if (pixels == 0 || memory.difference.empty()) return {};
+    TALBOT_CHECK(width > 0 && pixels % width == 0 && memory.difference.size() == pixels);
+    PassImages images;
+    images.width = width;
+    images.height = static_cast<uint32_t>(pixels / width);
+    images.full = memory.image.data();
+    images.packed = memory.difference.data();
+    return run_passes(images, metric_constant, pool);
 }
 
 double pareto_tail_index(std::vector<float> values) {

@@ -26,11 +26,15 @@ struct OctaveStatistics {
     std::vector<float> blocks;  // difference of every block, row by row
 };
 
-// What is kept of a render between two octaves: 16 bytes a pixel.
+// What is kept of a render between two octaves: 28 bytes a pixel. The image is in double, for the
+// difference of two nearly equal images is all that is asked of it.
 struct OctaveMemory {
-    std::vector<Rgb> image;            // at the last power of two
+    std::vector<Vec3d> image;          // at the last power of two
     std::vector<uint32_t> difference;  // to the one before, packed; empty where there is none
 };
+
+// Image of a film in double; black where there is no sample.
+std::vector<Vec3d> exact_image(const Film& film);
 
 // Compares the film with memory.image, its image at half the samples, and brings memory up to date.
 // r is estimated from the 7x7 neighbours and, as far as their spread exceeds the noise, from the
@@ -38,6 +42,11 @@ struct OctaveMemory {
 // bytes with any pool.
 OctaveStatistics compare_octave(const Film& film, OctaveMemory& memory, double metric_constant,
                                 WorkerPool* pool = nullptr);
+
+// The last octave that memory holds, seen again with another constant. r comes from one image alone,
+// so compare two results of this function, not one with compare_octave's. Changes nothing.
+OctaveStatistics weigh_memory(OctaveMemory& memory, uint32_t width, double metric_constant,
+                              WorkerPool* pool = nullptr);
 
 // Shape k of a generalised Pareto distribution fitted to the excesses of the largest values (Zhang,
 // Stephens 2009, with the weak prior of Vehtari et al. 2024, appendix C). Too few or equal values

@@ -79,7 +79,40 @@ constexpr bool needs_uv(EffectSet tier) {
     return (tier.bits & kTextureEffects.bits) != 0;
 }
 
+// Normal maps and anisotropy read tangents.
+template <EffectSet kTier>
+inline constexpr bool kUsesTangents =
+    kTier.has(Effect::normal_map) || kTier.has(Effect::clearcoat) || kTier.has(Effect::anisotropy);
+inline bool needs_tangent(const Material& m) {
+    return m.normal_texture.used() || m.clearcoat_normal_texture.used() ||
+           m.anisotropy_strength > 0;
+}
+
 namespace detail {
+
+// The direction in which the texture's u grows over a triangle, on the plane of the shading normal.
+inline void fill_tangent(const Mesh& mesh, const SceneInstance& instance, const uint32_t* index,
+                         float b0, float b1, float b2, const Vec3f& e1, const Vec3f& e2,
+                         const Vec3f& n, SurfaceInteraction& si) {
+    Vec3f tangent(0);
+    if (!mesh.tangents.empty()) {
+        const Vec4f t = b0 * mesh.tangents[index[0]] + b1 * mesh.tangents[index[1]] +
+                        b2 * mesh.tangents[index[2]];
+        tangent = Vec3f(t);
+        si.tangent_sign = (t.w < 0) != instance.mirrored ? -1.0f : 1.0f;
+        if (!instance.identity) tangent = instance.linear * tangent;
+    } else if (!mesh.uv[0].empty()) {
+        // Without tangents: the direction in which u grows.
+        const Vec2f d1 = mesh.uv[0][index[1]] - mesh.uv[0][index[0]];
+        const Vec2f d2 = mesh.uv[0][index[2]] - mesh.uv[0][index[0]];
+        const float determinant = difference_of_products(d1.x, d2.y, d1.y, d2.x);
+        tangent = (d2.y * e1 - d1.y * e2) * (determinant < 0 ? -1.0f : 1.0f);
+        si.tangent_sign = determinant < 0 ? 1.0f : -1.0f;
+    }
+    tangent -= dot(tangent, n) * n;
+    const float square = dot(tangent, tangent);
+    if (square > 0 && is_finite(square)) si.tangent = tangent / std::sqrt(square);
+}
 
 // The way from p to the round surface: to the mean of p's projections onto the tangent planes at
 // the vertices, where these lie above p as seen from the ray's side. Equal normals give none at all
@@ -106,9 +139,10 @@ inline Vec3f round_lift(const Mesh& mesh, const uint32_t* index, float b1, float
 template <EffectSet kTier>
 void fill_triangle_attributes(const Mesh& mesh, const SceneInstance& instance,
                               const uint32_t* index, float b0, float b1, float b2, const Vec3f& e1,
-                              const Vec3f& e2, SurfaceInteraction& si) {
+                              const Vec3f& e2, [[maybe_unused]] bool with_tangent,
+                              SurfaceInteraction& si) {
     if constexpr (needs_uv(kTier)) {
-        for (std::size_t set = 0; set < 2; ++set) {
+        for (std::size_t set = 0; set < (kTier.has(Effect::second_uv) ? 2 : 1); ++set) {
             if (mesh.uv[set].empty()) continue;
             const std::vector<Vec2f>& uv = mesh.uv[set];
             si.uv[set] = b0 * uv[index[0]] + b1 * uv[index[1]] + b2 * uv[index[2]];
@@ -123,32 +157,14 @@ void fill_triangle_attributes(const Mesh& mesh, const SceneInstance& instance,
     Vec3f n = si.n_geometric;
     if (!mesh.normals.empty()) {
         n = b0 * mesh.normals[index[0]] + b1 * mesh.normals[index[1]] + b2 * mesh.normals[index[2]];
-        if (!instance.identity) n = instance.normal_from_object * n;
+        if (kTier.has(Effect::instancing) && !instance.identity)
+            n = instance.normal_from_object * n;
         n = safe_normalize(n, si.n_geometric);
         if (dot(n, si.n_geometric) < 0) n = -n;
     }
     si.shading = Frame::from_normal(n);
-    if constexpr (kTier.has(Effect::normal_map)) {
-        Vec3f tangent(0);
-        if (!mesh.tangents.empty()) {
-            const Vec4f t = b0 * mesh.tangents[index[0]] + b1 * mesh.tangents[index[1]] +
-                            b2 * mesh.tangents[index[2]];
-            tangent = Vec3f(t);
-            si.tangent_sign = (t.w < 0) != instance.mirrored ? -1.0f : 1.0f;
-            if (!instance.identity) tangent = instance.linear * tangent;
-        } else if (!mesh.uv[0].empty()) {
-            // Without tangents: the direction in which u grows.
-            const Vec2f d1 = mesh.uv[0][index[1]] - mesh.uv[0][index[0]];
-            const Vec2f d2 = mesh.uv[0][index[2]] - mesh.uv[0][index[0]];
-            const float determinant = difference_of_products(d1.x, d2.y, d1.y, d2.x);
-            tangent = (d2.y * e1 - d1.y * e2) * (determinant < 0 ? -1.0f : 1.0f);
-            si.tangent_sign = determinant < 0 ? 1.0f : -1.0f;
-        }
-        tangent -= dot(tangent, n) * n;
-        const float square = dot(tangent, tangent);
-        if (square > 0 && is_finite(square)) {
-            si.tangent = tangent / std::sqrt(square);
-        }
+    if constexpr (kUsesTangents<kTier>) {
+        if (with_tangent) fill_tangent(mesh, instance, index, b0, b1, b2, e1, e2, n, si);
     }
 }
 
@@ -170,7 +186,8 @@ inline void lift_point(const Mesh& mesh, const SceneInstance& instance, const ui
 }
 
 template <EffectSet kTier>
-void fill_triangle(const Scene& scene, const Ray& ray, const Hit& hit, SurfaceInteraction& si) {
+void fill_triangle(const Scene& scene, const Ray& ray, const Hit& hit, bool with_tangent,
+                   SurfaceInteraction& si) {
     const SceneGeometry& geometry = scene.geometry();
     const SceneInstance& instance = geometry.instances[hit.id.instance];
     const Mesh& mesh = geometry.meshes[instance.mesh];
@@ -186,7 +203,7 @@ void fill_triangle(const Scene& scene, const Ray& ray, const Hit& hit, SurfaceIn
     si.p = b0 * p0 + b1 * p1 + b2 * p2;
     si.p_error = kTriangleError * (glm::abs(b0 * p0) + glm::abs(b1 * p1) + glm::abs(b2 * p2));
     Vec3f n = stable_cross(e1, e2);
-    if (!instance.identity) {
+    if (kTier.has(Effect::instancing) && !instance.identity) {
         const Mat3f& linear = instance.linear;
         const Vec3f object_error = si.p_error;
         // Both the point and its error go through the matrix; the product is rounded once, from
@@ -200,7 +217,8 @@ void fill_triangle(const Scene& scene, const Ray& ray, const Hit& hit, SurfaceIn
     }
     si.n_geometric = safe_normalize(n, Vec3f(0, 0, 1));
     si.front = dot(ray.d, si.n_geometric) < 0;
-    fill_triangle_attributes<kTier>(mesh, instance, index, b0, b1, b2, e1, e2, si);
+    fill_triangle_attributes<kTier>(mesh, instance, index, b0, b1, b2, e1, e2, with_tangent,
+                                    si);
     if (!mesh.normals.empty()) lift_point(mesh, instance, index, hit, ray, si);
 }
 
@@ -237,16 +255,21 @@ void fill_sphere(const Scene& scene, const Ray& ray, const Hit& hit, SurfaceInte
 
 }  // namespace detail
 
-// The shading point of a hit. wo points back along the ray.
+// The shading point of a hit; without the tangent where only coverage is asked.
 template <EffectSet kTier>
-SurfaceInteraction make_surface_interaction(const Scene& scene, const Ray& ray, const Hit& hit) {
+SurfaceInteraction make_surface_interaction(const Scene& scene, const Ray& ray, const Hit& hit,
+                                            bool for_coverage = false) {
     SurfaceInteraction si;
     si.id = hit.id;
-    si.material = scene.material_of(hit.id);
-    if (hit.is_sphere()) {
+    if (kTier.has(Effect::analytic_spheres) && hit.is_sphere()) {
+        si.material = scene.geometry().spheres[hit.id.primitive].material;
         detail::fill_sphere<kTier>(scene, ray, hit, si);
     } else {
-        detail::fill_triangle<kTier>(scene, ray, hit, si);
+        si.material = scene.geometry().instances[hit.id.instance].material;
+        bool with_tangent = false;
+        if constexpr (kUsesTangents<kTier>)
+            with_tangent = !for_coverage && needs_tangent(scene.materials()[si.material]);
+        detail::fill_triangle<kTier>(scene, ray, hit, with_tangent, si);
     }
     return si;
 }

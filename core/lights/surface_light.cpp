@@ -41,6 +41,15 @@ struct SphereCone {
     double one_minus_cos = 0;
 };
 
+// A sphere light's record holds its centre and radius as sums of two floats each: near contact a
+// rounded radius would move the cone's cosine by much.
+Vec3d center_of(const Light& light) {
+    return Vec3d(light.p0) + Vec3d(light.e2);
+}
+double radius_of(const Light& light) {
+    return static_cast<double>(light.e1.x) + static_cast<double>(light.e1.y);
+}
+
 SphereCone cone_of(const Vec3d& center, double radius, const Vec3f& p) {
     SphereCone cone;
     const Vec3d to = center - Vec3d(p);
@@ -89,7 +98,9 @@ Light make_sphere_light(const Scene& scene, uint32_t sphere) {
     light.material = source.material;
     light.two_sided = material.double_sided;
     light.p0 = Vec3f(source.center);
-    light.e1 = Vec3f(Vec3d(source.radius, 0, 0));
+    light.e2 = Vec3f(source.center - Vec3d(light.p0));
+    const auto radius = static_cast<float>(source.radius);
+    light.e1 = Vec3f(radius, static_cast<float>(source.radius - static_cast<double>(radius)), 0);
     light.area = static_cast<float>(4 * std::numbers::pi * source.radius * source.radius);
     light.radiance = material.emissive_factor * material.emissive_strength;
     return light;
@@ -197,8 +208,7 @@ std::optional<LightSample> sample_sphere_light(const Scene& scene, const Light& 
 }
 
 float pdf_sphere_light(const Light& light, const Vec3f& p) {
-    // The light record keeps float copies; both routines use the same ones through this density.
-    const SphereCone cone = cone_of(Vec3d(light.p0), static_cast<double>(light.e1.x), p);
+    const SphereCone cone = cone_of(center_of(light), radius_of(light), p);
     if (cone.inside || !(cone.one_minus_cos > 0)) return 0;
     return static_cast<float>(1 / (2 * std::numbers::pi * cone.one_minus_cos));
 }

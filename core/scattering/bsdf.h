@@ -35,8 +35,6 @@ class Bsdf {
     static constexpr bool kCoat = kTier.has(Effect::clearcoat);
     static constexpr bool kSheen = kTier.has(Effect::sheen);
     static constexpr bool kThrough = kTier.has(Effect::diffuse_transmission);
-    static constexpr bool kExtended =
-        kThrough || kTier.has(Effect::anisotropy) || kTier.has(Effect::iridescence);
 
   public:
     // frame.n is the shading normal on wo's side, n_geometric the unit geometric normal on wo's
@@ -124,9 +122,9 @@ class Bsdf {
     float p_glass_ = 0;
     bool flat_ = true;
     bool lambert_ = true;
-    [[no_unique_address]] std::conditional_t<kGlossy || kGlass, OpaqueLayer<kExtended>, Absent>
+    [[no_unique_address]] std::conditional_t<kGlossy || kGlass, OpaqueLayer<kTier>, Absent>
         opaque_;
-    [[no_unique_address]] std::conditional_t<kGlass, GlassLayer<kExtended>, Absent> glass_;
+    [[no_unique_address]] std::conditional_t<kGlass, GlassLayer<kTier>, Absent> glass_;
     [[no_unique_address]] std::conditional_t<kCoat, Coat, Absent> coat_;
     [[no_unique_address]] std::conditional_t<kSheen, Sheen, Absent> sheen_;
 };
@@ -225,7 +223,7 @@ void Bsdf<kTier>::make_base(const ShadingParams& params, bool outside, float wei
         if constexpr (kGlass) {
             if (transmission > 0) {
                 const bool thin = kThin && params.thin;
-                glass_ = GlassLayer<kExtended>(params, thin, specular, specular_color, outside,
+                glass_ = GlassLayer<kTier>(params, thin, specular, specular_color, outside,
                                                transmission * weight, wo_local_);
                 p_glass_ = 1;
                 albedo = glass_.albedo();
@@ -233,7 +231,7 @@ void Bsdf<kTier>::make_base(const ShadingParams& params, bool outside, float wei
         }
         if (transmission < 1) {
             const float share = 1 - transmission;
-            opaque_ = OpaqueLayer<kExtended>(params, metallic / share, kGlossy ? specular : 0.0f,
+            opaque_ = OpaqueLayer<kTier>(params, metallic / share, kGlossy ? specular : 0.0f,
                                              specular_color, share * weight, wo_local_);
             if (!flat_) tilt_scale_ = opaque_.diffuse_tilt_scale(dot(frame_.n, n_geometric_));
             const float sum = albedo + opaque_.albedo();

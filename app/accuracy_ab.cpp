@@ -1,0 +1,211 @@
+// `talbot accuracy ab`: two configurations of one view against each other for equal time.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "app/accuracy.h"
+#include "app/exit_code.h"
+#include "app/options.h"
+#include "app/scene_setup.h"
+#include "core/base/log.h"
+#include "core/io/image_io.h"
+#include "core/session/ab_comparison.h"
+
+namespace talbot {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct AbOptions {
+    std::string a, b, json;
+    double budget_seconds = 30;
+    bool until_decided = false;
+    std::vector<std::string> rest;  // SCENE and the options that both sides share
+};
+
+Error usage(const std::string& option, const std::string& what) {
+    return {ErrorKind::usage, "", option, what};
+}
+
+// Empty when help was printed.
+Result<std::optional<AbOptions>> parse(std::span<const std::string> args) {
+    AbOptions o;
+    CLI::App app("Two configurations of one view for equal time: which gives less error",
+                 "talbot accuracy ab");
+    app.allow_extras();
+    app.add_option("--a", o.a, "settings of A, e.g. \"--max-depth 8\"; default those given");
+    app.add_option("--b", o.b, "settings of B");
+    app.add_option("--budget", o.budget_seconds, "seconds of rendering, both together (30)");
+    app.add_flag("--until-decided", o.until_decided, "end as soon as one is better");
+    app.add_option("--json", o.json, "figures; - is the standard output");
+    app.footer(
+        "SCENE and the options of a render (--size, --camera, --sampler, ...) hold for both.");
+    try {
+        app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
+    } catch (const CLI::Success& success) {
+        app.exit(success);
+        return std::optional<AbOptions>();
+    } catch (const CLI::ParseError& error) {
+        std::string what = error.what();
+        std::replace(what.begin(), what.end(), '\n', ' ');
+        return usage("accuracy ab", what + "; see talbot accuracy ab --help");
+    }
+    o.rest = app.remaining();
+    if (!(o.budget_seconds > 0) || o.budget_seconds > 1e6)
+        return usage("--budget", "must lie between 0 and 1000000 seconds");
+    return std::optional<AbOptions>(o);
+}
+
+std::vector<std::string> words_of(const std::string& text) {
+    std::vector<std::string> words(1);
+    for (const char c : text) {
+        if (c == ' ')
+            words.emplace_back();
+        else
+            words.back() += c;
+    }
+    std::erase(words, "");
+    return words;
+}
+
+Result<std::optional<Options>> parse_side(const std::vector<std::string>& shared,
+                                          const std::string& own) {
+    std::vector<std::string> copies{"talbot"};
+    copies.insert(copies.end(), shared.begin(), shared.end());
+    for (std::string& word : words_of(own)) copies.push_back(std::move(word));
+    std::vector<char*> argv;
+    for (std::string& word : copies) argv.push_back(word.data());
+    return parse_options(static_cast<int>(argv.size()), argv.data());
+}
+
+// A view is compared with itself: what differs must be settings.
+Status check_same_view(const Options& base, const Options& side, const std::string& option) {
+    const auto place = [](const Options& o) {
+        std::string words = o.scene_file + '\n' + o.camera + '\n' + o.scene_name + '\n' +
+                            o.variant + '\n' + o.environment;
+        for (const double x :
+             {static_cast<double>(o.environment_rotation), o.animation_time.value_or(-1),
+              o.orbit ? o.orbit->radius : 0.0, static_cast<double>(o.size ? o.size->width : 0),
+              static_cast<double>(o.size ? o.size->height : 0)})
+            words += '\n' + std::to_string(x);
+        return words;
+    };
+    if (place(base) != place(side) || side.headless())
+        return usage(option,
+                     "takes settings of a render only (--max-depth, --sampler, --no-nee, "
+                     "--effects, ...); scene, view and size hold for both sides");
+    return Done{};
+}
+
+ordered_json side_json(const AbSide& side, const std::string& flags) {
+    return {{"flags", flags},          {"kernel", side.kernel},
+            {"samples", side.samples}, {"seconds", side.seconds},
+            {"rays", side.rays},       {"relrmse_percent", side.relrmse_percent},
+            {"lo95", side.lo95},       {"hi95", side.hi95}};
+}
+
+ordered_json verdict_json(const EfficiencyVerdict& v) {
+    static constexpr const char* kWinners[] = {"none", "a", "b"};
+    if (!v.valid) return {{"winner", "none"}, {"text", v.text}};
+    return {{"winner", kWinners[static_cast<int>(v.winner)]},
+            {"b_over_a", v.ratio},
+            {"lo95", v.lo95},
+            {"hi95", v.hi95},
+            {"error_ratio", v.error_ratio},
+            {"time_ratio", v.time_ratio},
+            {"samples", v.samples},
+            {"renders", v.renders},
+            {"different", v.different},
+            {"brightness_percent", v.brightness_percent},
+            {"text", v.text}};
+}
+
+void print_side(const char* name, const AbSide& side, const std::string& flags) {
+    std::printf("%s  %-36s %7llu samples  %8.2f s  error %.3g %% (%.3g to %.3g)\n", name,
+                flags.empty() ? "as given" : flags.c_str(),
+                static_cast<unsigned long long>(side.samples), side.seconds, side.relrmse_percent,
+                side.lo95, side.hi95);
+}
+
+Status write(const AbOptions& o, const Options& base, const AbSnapshot& s) {
+    if (o.json != "-") {
+        print_side("A", s.a, o.a);
+        print_side("B", s.b, o.b);
+        std::printf("%s\n", s.verdict.text.c_str());
+    }
+    if (o.json.empty()) return Done{};
+    const ordered_json j{{"schema", "talbot-ab/1"},
+                         {"scene", scene_path(base).string()},
+                         {"size", {s.a.image->width, s.a.image->height}},
+                         {"seconds", s.seconds},
+                         {"a", side_json(s.a, o.a)},
+                         {"b", side_json(s.b, o.b)},
+                         {"verdict", verdict_json(s.verdict)}};
+    const std::string text = j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+    if (o.json == "-") {
+        std::fputs(text.c_str(), stdout);
+        return Done{};
+    }
+    return write_file_atomically(o.json,
+                                 {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
+Status compare(const AbOptions& o, const Options& base, const Options& a, const Options& b) {
+    if (Status s = check_same_view(base, a, "--a"); !s) return s;
+    if (Status s = check_same_view(base, b, "--b"); !s) return s;
+    Result<SceneSetup> setup = [&] {
+        WorkerPool pool(base.threads);
+        return set_up_scene(base, pool);
+    }();
+    if (!setup) return setup.error();
+    AbConfig configs[2];
+    for (int i = 0; i < 2; ++i) {
+        configs[i].settings = (i == 0 ? a : b).render;
+        configs[i].settings.width = setup->settings.width;
+        configs[i].settings.height = setup->settings.height;
+    }
+    AbPolicy policy;
+    policy.threads = base.threads;
+    policy.limit_seconds = o.budget_seconds;
+    policy.stop_when_decided = o.until_decided;
+    policy.exposure_ev = base.display.exposure_ev;
+    AbComparison comparison;
+    comparison.start(setup->scene, setup->camera, configs[0], configs[1], policy);
+    comparison.wait();
+    const std::shared_ptr<const AbSnapshot> last = comparison.latest();
+    if (!last)
+        return Error{ErrorKind::failed, base.scene_file, "",
+                     "the budget was over before each side had one sample a pixel; give more "
+                     "--budget or a smaller --size"};
+    return write(o, base, *last);
+}
+
+}  // namespace
+
+int run_ab(std::span<const std::string> args) {
+    const auto fail = [](const Error& error) {
+        log_error(error.line());
+        return exit_code(error);
+    };
+    const Result<std::optional<AbOptions>> options = parse(args);
+    if (!options) return fail(options.error());
+    if (!*options) return kExitDone;
+    const AbOptions& o = **options;
+    std::optional<Options> sides[3];
+    for (int i = 0; i < 3; ++i) {
+        const Result<std::optional<Options>> side = parse_side(o.rest, i == 0   ? std::string()
+                                                                       : i == 1 ? o.a
+                                                                                : o.b);
+        if (!side) return fail(side.error());
+        if (!*side) return kExitDone;
+        sides[i] = **side;
+    }
+    set_log_level(sides[0]->log_level);
+    const Status status = compare(o, *sides[0], *sides[1], *sides[2]);
+    return status ? kExitDone : fail(status.error());
+}
+
+}  // namespace talbot
