@@ -55,7 +55,8 @@ struct Truth {
     double margin = 1;  // least barycentric distance from an edge
 };
 
-Truth crossings(const Mesh& mesh, const Mat4d& world, const Ray& ray) {
+// Not inlined: GCC 12 would see through the rounding of the ray to float.
+[[gnu::noipa]] Truth crossings(const Mesh& mesh, const Mat4d& world, const Ray& ray) {
     const Vec3d o(ray.o);
     const Vec3d d(ray.d);
     const double side = glm::determinant(Mat3d(world)) < 0 ? -1 : 1;

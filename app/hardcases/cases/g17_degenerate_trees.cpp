@@ -42,6 +42,7 @@ uint32_t naive_depth(const MeshData& mesh, uint32_t cap) {
             centroids.begin() + static_cast<std::ptrdiff_t>(range.end),
             [&](const Vec3f& c) { return c[axis] < middle; });
         const auto at = static_cast<size_t>(split - centroids.begin());
+        if (at == range.begin || at == range.end) return cap;  // the same range again, for ever
         stack.push_back({range.begin, at, range.depth + 1});
         stack.push_back({at, range.end, range.depth + 1});
     }

@@ -64,7 +64,7 @@ void see_lamp(double distance, Rng& rng, Failures& failures) {
         Ray naive;
         naive.o = ray.o + hit.t * ray.d;
         naive.d = light->target - naive.o;
-        naive.t_max = 1 - 1e-4f;
+        naive.t_max = 1 - 2e-4f;
         naive.o += 1e-4f * naive.d;
         failures.see(scene->accel().occluded(naive) != before,
                      scene->accel().occluded(shadow) != before, [&] {
