@@ -190,6 +190,44 @@ TEST(LightSampling, ASphereIsSeenByItsExactRadius) {
     EXPECT_GT(std::abs(control / omega - 1), 1e-5) << "control: the radius as a float";
 }
 
+// Irradiance below the middle of a strip: by area hardly a sample of hundreds falls near the point.
+TEST(LightSampling, ASlenderLampIsSampledWhereItIsNear) {
+    SceneBuilder builder;
+    builder.mesh(SceneBuilder::quad(Vec3f(-5000, -0.5f, 0), Vec3f(10000, 0, 0), Vec3f(0, 1, 0)),
+                 builder.material(lamp()));
+    const auto scene = builder.build(workers());
+    const LightTable table(*scene);
+    const Vec3f p(Vec3d(70, 0, 0.5) - scene->origin());
+    double sum = 0;
+    constexpr int kSide = 64;
+    for (int i = 0; i < kSide * kSide; ++i) {
+        const Vec2f u((static_cast<float>(i % kSide) + 0.5f) / kSide,
+                      (static_cast<float>(i / kSide) + 0.5f) / kSide);
+        for (const Light& light : table.lights()) {
+            if (const auto s = sample_triangle_light(*scene, light, p, u))
+                sum += std::max(0.0f, -s->wi.z) / s->pdf / (kSide * kSide);
+        }
+    }
+    // An endless strip of half-width 1/2 seen from height 1/2: pi sin(45 degrees).
+    EXPECT_NEAR(sum / (std::numbers::pi * std::sqrt(0.5)), 1, 2e-3);
+}
+
+// A spot of a millionth of a radian falls off smoothly inside its cone.
+TEST(LightSampling, NarrowSpotsKeepTheirDigits) {
+    PunctualLight spot;
+    spot.kind = PunctualKind::spot;
+    spot.direction = Vec3f(0, -1, 0);
+    spot.inner_cone_angle = 0;
+    spot.outer_cone_angle = 1e-6f;
+    Light light;
+    light.kind = LightKind::spot;
+    light.e1 = spot.direction;
+    light.radiance = Rgb(1);
+    const auto s = sample_punctual_light(spot, light, Vec3f(0.5e-6f, -1, 0));
+    ASSERT_TRUE(s);
+    EXPECT_NEAR(s->radiance.x, 0.75 * 0.75, 1e-6);
+}
+
 std::shared_ptr<const EnvironmentImage> sky_image(uint32_t w, uint32_t h) {
     auto image = std::make_shared<EnvironmentImage>();
     image->width = w;

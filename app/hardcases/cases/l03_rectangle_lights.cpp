@@ -133,8 +133,9 @@ CaseResult run(Effort effort) {
     double naive_bad = 0;
     double own_bad = 0;
     Sweep sweep{"distance over the short side", "relative error of the irradiance", true, 1e-4, {}};
-    const int steps = full ? 400 : 100;
+    const int steps = full ? 400 : 300;
     for (const Setup& s : setups()) {
+        if (!full && (s.at.x == 0 || std::abs(std::lround(std::log10(s.at.z))) % 2 == 0)) continue;
         SceneBuilder builder;
         builder.mesh(SceneBuilder::quad(Vec3f(Vec3d(-s.width / 2, -s.height / 2, 0)),
                                         Vec3f(Vec3d(s.width, 0, 0)), Vec3f(Vec3d(0, s.height, 0))),
@@ -155,7 +156,7 @@ CaseResult run(Effort effort) {
         const bool near = s.at.z < 1e-5;
         (near ? contact : error).add(relative(f.own, expected), [&] { return s.where; });
         (near ? naive_contact : naive_error).add(relative(f.naive, expected));
-        if (s.width == 1 && s.at.x == 0)
+        if (s.width == 1 && s.at.x != 0)
             sweep.points.push_back(
                 {s.at.z, std::min(relative(f.naive, expected), 1e3), relative(f.own, expected)});
     }
