@@ -26,9 +26,11 @@ Rgb eval_color(const Scene& scene, const TextureSlot& slot, const SurfaceInterac
     return slot.used() ? Rgb(eval_slot<kTier>(scene, slot, si, TextureEncoding::srgb)) : Rgb(1);
 }
 
+// Kept out of line: surfaces that have none of this should not be slowed by it.
+
 // The normal of a normal map; false, and nothing written, where the texel is flat.
 template <EffectSet kTier>
-bool mapped_normal(const Scene& scene, const TextureSlot& slot, float scale,
+[[gnu::noinline]] bool mapped_normal(const Scene& scene, const TextureSlot& slot, float scale,
                           const SurfaceInteraction& si, Vec3f& normal) {
     const Vec4f texel = eval_slot<kTier>(scene, slot, si, TextureEncoding::linear);
     // 8-bit maps store the flat direction as 127 or 128 of 255: both mean zero.
@@ -50,7 +52,7 @@ bool mapped_normal(const Scene& scene, const TextureSlot& slot, float scale,
 }
 
 template <EffectSet kTier>
-void eval_clearcoat(const Scene& scene, const Material& m, const SurfaceInteraction& si,
+[[gnu::noinline]] void eval_clearcoat(const Scene& scene, const Material& m, const SurfaceInteraction& si,
                            ShadingParams& params) {
     params.clearcoat = m.clearcoat_factor * eval_channel<kTier>(scene, m.clearcoat_texture, si, 0);
     const float roughness =
@@ -60,7 +62,7 @@ void eval_clearcoat(const Scene& scene, const Material& m, const SurfaceInteract
 }
 
 template <EffectSet kTier>
-void eval_sheen(const Scene& scene, const Material& m, const SurfaceInteraction& si,
+[[gnu::noinline]] void eval_sheen(const Scene& scene, const Material& m, const SurfaceInteraction& si,
                        ShadingParams& params) {
     params.sheen_color = m.sheen_color_factor * eval_color<kTier>(scene, m.sheen_color_texture, si);
     const float roughness =
@@ -69,7 +71,7 @@ void eval_sheen(const Scene& scene, const Material& m, const SurfaceInteraction&
 }
 
 template <EffectSet kTier>
-void eval_diffuse_transmission(const Scene& scene, const Material& m,
+[[gnu::noinline]] void eval_diffuse_transmission(const Scene& scene, const Material& m,
                                       const SurfaceInteraction& si, ShadingParams& params) {
     params.diffuse_transmission =
         m.diffuse_transmission_factor * eval_channel<kTier>(scene, m.diffuse_transmission_texture, si, 3);
@@ -79,7 +81,7 @@ void eval_diffuse_transmission(const Scene& scene, const Material& m,
 
 // The direction comes from the texture, turned by the rotation, in the plane of the shading normal.
 template <EffectSet kTier>
-void eval_anisotropy(const Scene& scene, const Material& m, const SurfaceInteraction& si,
+[[gnu::noinline]] void eval_anisotropy(const Scene& scene, const Material& m, const SurfaceInteraction& si,
                             ShadingParams& params) {
     params.anisotropy = m.anisotropy_strength;
     Vec2f direction(1, 0);
@@ -97,7 +99,7 @@ void eval_anisotropy(const Scene& scene, const Material& m, const SurfaceInterac
 }
 
 template <EffectSet kTier>
-void eval_iridescence(const Scene& scene, const Material& m, const SurfaceInteraction& si,
+[[gnu::noinline]] void eval_iridescence(const Scene& scene, const Material& m, const SurfaceInteraction& si,
                              ShadingParams& params) {
     params.iridescence = m.iridescence_factor * eval_channel<kTier>(scene, m.iridescence_texture, si, 0);
     params.iridescence_ior = m.iridescence_ior;

@@ -91,7 +91,7 @@ inline bool needs_tangent(const Material& m) {
 namespace detail {
 
 // The direction in which the texture's u grows over a triangle, on the plane of the shading normal.
-inline void fill_tangent(const Mesh& mesh, const SceneInstance& instance, const uint32_t* index,
+[[gnu::noinline]] inline void fill_tangent(const Mesh& mesh, const SceneInstance& instance, const uint32_t* index,
                          float b0, float b1, float b2, const Vec3f& e1, const Vec3f& e2,
                          const Vec3f& n, SurfaceInteraction& si) {
     Vec3f tangent(0);

@@ -194,7 +194,7 @@ class OpaqueLayer {
     }
 
     // Both reflectances under the film; returns the specular albedo.
-    Rgb make_film(const ShadingParams& m, float metallic, const Rgb& dielectric, float specular,
+    [[gnu::noinline]] Rgb make_film(const ShadingParams& m, float metallic, const Rgb& dielectric, float specular,
                   float weight, float& s_o) {
         Rgb albedo(0);
         if constexpr (kFilm) {
