@@ -91,7 +91,8 @@ TEST(Accuracy, ExposureChangesTheMetricOfAllOctaves) {
             const double truth =
                 100 * std::sqrt(picture.true_relmse(metric_constant(static_cast<double>(ev))));
             const double changed = later.estimate().relrmse_percent;
-            EXPECT_NEAR(changed / asked, 1, 0.05) << scene.name << " " << ev;
+            // Exact but for the octaves before the last, which are taken along by one factor.
+            EXPECT_NEAR(changed / asked, 1, 0.15) << scene.name << " " << ev;
             EXPECT_GT(truth, 0.65 * later.estimate().lo95) << scene.name << " " << ev;
             EXPECT_LT(truth, 1.5 * later.estimate().hi95) << scene.name << " " << ev;
             EXPECT_EQ(later.estimate().samples, 64u);

@@ -128,11 +128,12 @@ double level_slope(double exponent) {
 // Standard deviation of ln v that comes from the denominators: while there are few samples, what a
 // pixel converges to is hardly known; later, what the last doubling changed about it tells.
 double denominator_sd(std::span<const Octave> octaves) {
-    constexpr double kFewSamples = 16, kDoubtOfFew = 0.4, kShareOfGain = 0.6;
+    constexpr double kFewSamples = 16, kDoubtOfFew = 0.4;
+    constexpr double kDoubtAlways = 0.15;  // what neighbours tell of a pixel is never exact
     const double gain = octaves.size() > 1 ? octaves[octaves.size() - 2].gain : 1;
     const double few =
-        static_cast<double>(octaves.back().samples) < kFewSamples ? kDoubtOfFew : 0.0;
-    return std::hypot(few, gain > 0 ? kShareOfGain * std::log(gain) : kDoubtOfFew);
+        static_cast<double>(octaves.back().samples) < kFewSamples ? kDoubtOfFew : kDoubtAlways;
+    return std::hypot(few, gain > 0 ? std::log(gain) : kDoubtOfFew);
 }
 
 }  // namespace
