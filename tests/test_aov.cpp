@@ -5,7 +5,7 @@
 
 #include "core/integrate/aov_pass.h"
 #include "core/integrate/tiers.h"
-#include "scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot {
 namespace {
