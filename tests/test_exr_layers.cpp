@@ -7,6 +7,7 @@
 #pragma GCC diagnostic ignored "-Wshadow"
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
 #include <ImfInputFile.h>
 #pragma GCC diagnostic pop
 

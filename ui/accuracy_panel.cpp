@@ -142,9 +142,12 @@ void draw_shares(const std::vector<ErrorShare>& shares) {
         if (share.error < kSmallest) continue;
         begin_row(share.label.empty() ? share.name : share.label);
         char text[48];
-        std::snprintf(text, sizeof text, "%.0f \xC2\xB1 %.0f %%", 100 * share.error,
+        std::snprintf(text, sizeof text, "%.0f \xC2\xB1 %.1f %%", 100 * share.error,
                       100 * share.error_sd);
+        ImGui::PushStyleColor(ImGuiCol_PlotHistogram,
+                              ImGui::GetColorU32(ImGuiCol_PlotHistogram, 0.5f));
         ImGui::ProgressBar(static_cast<float>(share.error), ImVec2(-1, 0), text);
+        ImGui::PopStyleColor();
         if (ImGui::IsItemHovered() && !share.help.empty()) {
             ImGui::SetTooltip("%s would need %.1f times less work", share.help.c_str(),
                               share.help_factor);

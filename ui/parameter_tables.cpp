@@ -145,6 +145,8 @@ constexpr Parameter<Material> kMaterialParameters[] = {
          .label = "scatterAnisotropy",
          .lower = -kLargestAnisotropy,
          .upper = kLargestAnisotropy,
+         .slider_lower = -0.99,
+         .slider_upper = 0.99,
          .note = "KHR_materials_volume_scatter: mean cosine of the turn."}),
     scalar<Material, &Material::nested_priority>(
         {.name = "nested_priority",

@@ -82,7 +82,8 @@ void draw_path(const ReplayedPath& path, const ViewerModel& model, const PixelRe
         false);
     PathPainter painter(model, image);
     const ImU32 color = IM_COL32(255, 205, 60, 255);
-    Vec3d last = path.start;
+    // The first ray is seen from its end: it is the first vertex.
+    Vec3d last = path.vertices.empty() ? path.start : path.vertices.front().point;
     for (const ReplayedPath::Vertex& vertex : path.vertices) {
         painter.segment(last, vertex.point, color);
         last = vertex.point;

@@ -79,15 +79,13 @@ void replace_scene(ViewerModel& model, LoadedScene loaded, Edits& edits) {
     for (std::size_t i = 0; i < std::min(materials.size(), model.materials.size()); ++i) {
         const bool edited =
             i < last->materials().size() && model.materials[i] != last->materials()[i];
-        Material fresh = materials[i];
         if (edited) {
             // The table of textures may be another one.
-            std::swap(fresh, model.materials[i]);
             for (const MaterialTexture& texture : kMaterialTextures)
-                model.materials[i].*texture.slot = fresh.*texture.slot;
+                model.materials[i].*texture.slot = materials[i].*texture.slot;
             edits.materials.insert(static_cast<uint32_t>(i));
         } else {
-            model.materials[i] = std::move(fresh);
+            model.materials[i] = materials[i];
         }
     }
     model.materials.resize(materials.size());

@@ -47,8 +47,6 @@ enum class PathValue : uint8_t {
     bsdf_pdf,
     bsdf_weight,
     bsdf_sample_pdf,
-    survival,
-    camera_direction,
 };
 
 template <typename Recorder, typename T>
@@ -298,7 +296,6 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
     Vec2f lens(0);
     if (kTier.has(Effect::depth_of_field) && camera.has_lens()) lens = sampler.pair(Purpose::lens);
     Ray ray = camera.ray(static_cast<float>(x) + offset.x, static_cast<float>(y) + offset.y, lens);
-    show_value(recorder, PathValue::camera_direction, ray.d);
     PathSample result;
     PathState path;
 
@@ -422,9 +419,7 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         }
 
         if (settings.russian_roulette && bounce >= kRouletteStart) {
-            float q = survival(path);
-            show_value(recorder, PathValue::survival, q);
-            if (!survives(q, numbers.roulette(), path)) break;
+            if (!survives(survival(path), numbers.roulette(), path)) break;
         }
         ray = si.spawn(scattered->wi);
     }

@@ -237,9 +237,8 @@ class RenderSession::Impl {
         } else if (source_ && shown_image_) {
             tracker_.set_exposure(error_exposure_, film_.width(), pool_.get());
             if (passes_ > 0 && target_met()) stop_reached_ = true;
-            if (layers_are_wanted())
-                layers_.glimpse(layered(), measured_rate_,
-                                policy_.preview_seconds);
+            layers_.glimpse(layered(), measured_rate_, policy_.preview_seconds);
+            if (passes_ > 0) layers_.update_from(film_, tracker_.block_errors());
             publish(shown_image_, shown_is_preview_);
         }
     }

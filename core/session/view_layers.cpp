@@ -55,6 +55,7 @@ void ViewLayers::preview(const View& view, uint32_t width, uint32_t height) {
 }
 
 void ViewLayers::glimpse(const View& view, double samples_per_second, double seconds) {
+    if (!are_missing()) return;
     const RenderSettings& settings = view.settings;
     const uint64_t pixels = uint64_t{settings.width} * settings.height;
     const uint32_t divisor = preview_divisor(pixels, samples_per_second, seconds);

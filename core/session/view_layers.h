@@ -33,7 +33,7 @@ class ViewLayers {
 
     // The variable at a preview's size, one sample a pixel.
     void preview(const View& view, uint32_t width, uint32_t height);
-    // The same at the size that takes about so many seconds.
+    // The same at the size that takes about so many seconds, where something is missing.
     void glimpse(const View& view, double samples_per_second, double seconds);
     // What is missing, and one more sample of the variable while it has few. After every pass, and when something is asked for.
     void update(const View& view, const std::stop_token& stop);
