@@ -12,7 +12,7 @@ namespace talbot::hardcases {
 namespace {
 
 constexpr uint32_t kSide = 32;
-constexpr uint64_t kSamples = 32;
+constexpr uint64_t kSamples = 64;
 
 // Sample deviation of each pixel over the root of its samples, as if they were independent.
 struct IndependentError {
@@ -85,7 +85,7 @@ double trusted_fireflies(int seeds) {
         for (uint64_t n = 1; n <= kSamples; ++n) {
             for (uint32_t y = 0; y < kSide; ++y) {
                 for (uint32_t x = 0; x < kSide; ++x) {
-                    const bool firefly = draw.unit() < 2e-5;
+                    const bool firefly = draw.unit() < 2e-4;
                     const double value = firefly ? 1e4 : 0.5 + draw.unit();
                     film.add(x, y, Rgb(static_cast<float>(value)), true, n, counts);
                 }
