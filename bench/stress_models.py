@@ -35,7 +35,7 @@ def row(report):
     rows = report["transforms"]
     scaled = [r for r in rows if r["promise"] == "same bytes"]
     moved = [r for r in rows if r["transform"].startswith("moved")]
-    other = [r for r in rows if r["promise"] == "relMSE <= 1e-6" and r not in moved]
+    other = [r for r in rows if r["promise"] == "1e-6 or noise"]
     turned = [r for r in rows if r["promise"] == "within noise" and r["verdict"] != "-"]
     worst = lambda part: max((r["relmse"] for r in part if r["relmse"] is not None), default=0)
     same = sum(bool(r["same_bytes"]) for r in scaled)

@@ -34,7 +34,7 @@ SceneTransform scaled_by(const char* name, double scale) {
     SceneTransform t;
     t.name = name;
     t.scale = scale;
-    t.promise = Promise::same_picture;
+    t.promise = Promise::same_paths;
     return t;
 }
 

@@ -13,9 +13,11 @@ namespace talbot::hardcases {
 // What is promised of the picture.
 enum class Promise {
     same_bytes,    // scaled by a power of two
-    same_picture,  // moved or scaled otherwise: relMSE at most kSamePicture
-    same_mean,  // turned or mirrored: sampling frames turn differently, so only within Monte Carlo
-                // error
+    same_picture,  // moved: relMSE at most kSamePicture
+    same_paths,  // scaled otherwise: the same, but every number is rounded anew, so that a path may
+                 // part; then as same_mean
+    same_mean,   // turned or mirrored: sampling frames turn differently, so only within Monte Carlo
+                 // error
 };
 
 struct SceneTransform {

@@ -15,6 +15,8 @@ const char* promise_name(Promise promise) {
             return "same bytes";
         case Promise::same_picture:
             return "relMSE <= 1e-6";
+        case Promise::same_paths:
+            return "1e-6 or noise";
         case Promise::same_mean:
             return "within noise";
     }

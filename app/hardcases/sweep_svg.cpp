@@ -12,7 +12,7 @@ namespace talbot::hardcases {
 namespace {
 
 constexpr double kWidth = 560, kHeight = 300;
-constexpr double kLeft = 70, kRight = 15, kTop = 15, kBottom = 45;
+constexpr double kLeft = 70, kRight = 30, kTop = 15, kBottom = 45;
 constexpr const char* kNaiveColor = "#c2410c";
 constexpr const char* kOwnColor = "#1d6fb8";
 

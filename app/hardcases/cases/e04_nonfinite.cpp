@@ -53,27 +53,27 @@ uint64_t unusable_pixels(const ImageRgba& image) {
 
 using Fault = std::function<void(SceneDesc&)>;
 
-// Places where a scene can bring a bad number into a path.
+// Places where a scene can bring a bad number into a path. A file cannot: the loader refuses them.
 std::vector<std::pair<std::string, Fault>> scene_faults() {
+    const auto emission = [](const Rgb& c) {
+        return [c](SceneDesc& d) { d.materials[1].emissive_factor = c; };
+    };
+    const auto base_colour = [](float c) {
+        return [c](SceneDesc& d) { d.materials[2].base_color_factor.y = c; };
+    };
+    const auto sky = [](const Rgb& c) { return [c](SceneDesc& d) { d.environment.color = c; }; };
     return {
-        {"infinite emission",
-         [](SceneDesc& d) { d.materials[1].emissive_factor = Rgb(kInfinity); }},
-        {"emission beyond the film",
-         [](SceneDesc& d) { d.materials[1].emissive_factor = Rgb(kTooLarge); }},
-        {"a channel of emission is NaN",
-         [](SceneDesc& d) { d.materials[1].emissive_factor = Rgb(1, kNaN, 1); }},
-        {"base colour is NaN", [](SceneDesc& d) { d.materials[2].base_color_factor.y = kNaN; }},
-        {"base colour is infinite",
-         [](SceneDesc& d) { d.materials[2].base_color_factor.y = kInfinity; }},
-        {"roughness is NaN", [](SceneDesc& d) { d.materials[2].roughness_factor = kNaN; }},
-        {"index of refraction is NaN", [](SceneDesc& d) { d.materials[2].ior = kNaN; }},
-        {"environment is NaN", [](SceneDesc& d) { d.environment.color = Rgb(1, 1, kNaN); }},
-        {"environment is infinite",
-         [](SceneDesc& d) { d.environment.color = Rgb(kInfinity, 1, 1); }},
-        {"light is NaN", [](SceneDesc& d) { d.lights[0].color = Rgb(1, kNaN, 1); }},
-        {"light is infinite", [](SceneDesc& d) { d.lights[0].intensity = kInfinity; }},
-        {"a channel of a light is negative",
-         [](SceneDesc& d) { d.lights[0].color = Rgb(1, -100, 1); }},
+        {"infinite emission", emission(Rgb(kInfinity))},
+        {"emission beyond the film", emission(Rgb(kTooLarge))},
+        {"a channel of emission is NaN", emission(Rgb(1, kNaN, 1))},
+        {"base colour is NaN", base_colour(kNaN)},
+        {"base colour is infinite", base_colour(kInfinity)},
+        {"environment is NaN", sky(Rgb(1, 1, kNaN))},
+        {"environment is infinite", sky(Rgb(kInfinity, 1, 1))},
+        {"environment is negative", sky(Rgb(1, -1, 1))},
+        {"environment's intensity is infinite",
+         [](SceneDesc& d) { d.environment.intensity = kInfinity; }},
+        {"environment's intensity is NaN", [](SceneDesc& d) { d.environment.intensity = kNaN; }},
     };
 }
 
@@ -85,14 +85,12 @@ SceneDesc stage() {
     const uint32_t lamp_id = builder.material(lamp);
     Material floor;
     floor.metallic_factor = 0;
-    floor.roughness_factor = 0.3f;
+    floor.specular_factor = 0;
+    floor.roughness_factor = 1;
     floor.double_sided = true;
     const uint32_t floor_id = builder.material(floor);
     builder.mesh(SceneBuilder::quad(Vec3f(-1, 0.5f, -1), Vec3f(1, 0, 0), Vec3f(0, 1, 0)), lamp_id);
     builder.mesh(SceneBuilder::quad(Vec3f(-2, 0, -2), Vec3f(4, 0, 0), Vec3f(0, 0, 4)), floor_id);
-    PunctualLight light;
-    light.position = Vec3d(1, 1, 1);
-    builder.light(light);
     builder.environment(Rgb(0.2f));
     return builder.desc();
 }
@@ -131,7 +129,7 @@ CaseResult run(Effort effort) {
                          counts.overflow > 0;
         unrepeated.add(bad ? 0 : 1, where);
     }
-    result.measures.push_back({"pixels that a bad number in the scene spoils (12 places)",
+    result.measures.push_back({"pixels that a bad number in the scene spoils (10 places)",
                                static_cast<double>(naive_spoiled), spoiled.figure, 0, Gate::at_most,
                                spoiled.where});
     result.measures.push_back({"places whose bad numbers no counter shows", kNoControl,
