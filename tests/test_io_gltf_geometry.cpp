@@ -292,8 +292,20 @@ TEST(Repair, TrianglesWithNonFiniteVerticesAreDropped) {
     EXPECT_EQ(scene.meshes[0].triangle_count(), 1u);
     EXPECT_EQ(scene.meshes[0].positions.size(), 3u);
     ASSERT_EQ(scene.warnings.size(), 1u);
-    EXPECT_TRUE(
-        has_warning(scene, "meshes[0].primitives[0]: positions that are not finite or out of range: 2 triangles"));
+    EXPECT_TRUE(has_warning(
+        scene,
+        "meshes[0].primitives[0]: positions that are not finite or out of range: 2 triangles"));
+}
+
+// One vertex further out than any world must not take the mesh with it.
+TEST(Repair, TrianglesWithVerticesOutOfRangeAreDropped) {
+    GltfBuilder b;
+    const int p = b.add_floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 3e38f, 0, 0}, "VEC3");
+    b.add_node({{"mesh", b.add_mesh({{"POSITION", p}}, b.add_indices({0, 1, 2, 0, 1, 3}))}});
+    TALBOT_LOADED(scene, b.load());
+    ASSERT_EQ(scene.instances.size(), 1u);
+    EXPECT_EQ(scene.meshes[0].triangle_count(), 1u);
+    ASSERT_EQ(scene.warnings.size(), 1u);
 }
 
 TEST(Repair, AllTrianglesNonFiniteLeavesNothing) {

@@ -6,7 +6,7 @@
 #include "app/hardcases/cases/mesh_shapes.h"
 #include "core/integrate/surface_interaction.h"
 #include "core/integrate/tiers.h"
-#include "scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot {
 namespace {

@@ -176,8 +176,7 @@ Camera scaled(Camera camera, double s) {
 }
 
 SceneDesc moved(SceneDesc desc, const Vec3d& by) {
-    for (MeshInstance& instance : desc.instances)
-        instance.world_from_object[3] += Vec4d(by, 0);
+    for (MeshInstance& instance : desc.instances) instance.world_from_object[3] += Vec4d(by, 0);
     for (Sphere& sphere : desc.spheres) sphere.center += by;
     return desc;
 }
@@ -213,8 +212,8 @@ Result<SceneDesc> load_text(const std::string& gltf) {
         fs::temp_directory_path() / ("talbot-hardcase-" + std::to_string(getpid()) + ".gltf");
     const std::span<const char> text(gltf);
     const std::span<const std::byte> bytes = std::as_bytes(text);
-    const Status written = write_file_atomically(
-        file, {reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
+    const Status written =
+        write_file_atomically(file, {reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
     if (!written) return written.error();
     Result<SceneDesc> desc = load_gltf(file);
     std::error_code ignored;

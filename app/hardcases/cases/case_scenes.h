@@ -65,8 +65,8 @@ double relmse(const ImageRgba& image, const ImageRgba& reference);
 // Reads glTF text as a file would be read.
 Result<SceneDesc> load_text(const std::string& gltf);
 
-// Meshes, spheres, factors of materials, punctual lights, an even environment and one camera as glTF
-// with its data inside.
+// Meshes, spheres, factors of materials, punctual lights, an even environment and one camera as
+// glTF with its data inside.
 std::string gltf_text(const SceneDesc& desc, const Camera& camera, const RenderWith& with);
 
 }  // namespace talbot::hardcases::geometry

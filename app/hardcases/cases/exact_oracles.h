@@ -53,8 +53,7 @@ T triple_product(const Triple<T>& d, const Triple<T>& p, const Triple<T>& q) {
 // Whether the line through o along d meets the closed triangle, and where; exact for integer
 // coordinates up to 2^20 with T = Wide. Lines in the triangle's plane do not count.
 template <class T>
-bool exact_triangle(const Ray& ray, const std::array<Vec3f, 3>& tri, T& numerator,
-                    T& denominator) {
+bool exact_triangle(const Ray& ray, const std::array<Vec3f, 3>& tri, T& numerator, T& denominator) {
     const Triple<T> d = minus<T>(ray.d, Vec3f(0));
     const Triple<T> a = minus<T>(tri[0], ray.o);
     const Triple<T> b = minus<T>(tri[1], ray.o);

@@ -31,7 +31,8 @@ class Subject {
     }
     const MeshData& mesh() const { return mesh_; }
 
-    // The ray is aimed at a point of the triangles round `vertex`: the control looks at these alone.
+    // The ray is aimed at a point of the triangles round `vertex`: the control looks at these
+    // alone.
     void aim(const Ray& ray, uint32_t vertex, bool with_control, Failures& failures) const {
         bool own = false;
         for (const auto& accel : accels_) own = own || is_lost(*accel, ray);
@@ -100,7 +101,8 @@ Failures integer_grid(const Vec3f& offset, uint64_t seed, uint64_t rays) {
     return over_inputs<Failures>(seed, rays, [&](Rng& rng, Failures& failures) {
         Ray ray;
         ray.o = offset;
-        for (int k = 0; k < 3; ++k) ray.o[k] += static_cast<float>(rng.between(2, 2 * kSize - 2)) / 2;
+        for (int k = 0; k < 3; ++k)
+            ray.o[k] += static_cast<float>(rng.between(2, 2 * kSize - 2)) / 2;
         ray.d = Vec3f(rng.below(2) != 0 ? 0.0f : -0.0f);
         ray.d[rng.between(0, 2)] = rng.below(2) != 0 ? 1.0f : -1.0f;
         if (rng.below(4) == 0) ray.d[rng.between(0, 2)] += rng.below(2) != 0 ? 1.0f : -1.0f;
@@ -153,12 +155,13 @@ CaseResult run(Effort effort) {
     return result;
 }
 
-const bool kAdded = add_case(
-    {"G01", Priority::p0, "shared edges and vertices are watertight",
-     "Moeller-Trumbore in float", "edge functions in double, exact where rounding could decide "
-     "(Woop, Benthin, Wald 2013; Shewchuk 1997)",
-     "jbikker/tinybvh#168, RenderKit/embree#174, RenderKit/embree#188, mitsuba-renderer/mitsuba3#1149",
-     run});
+const bool kAdded = add_case({"G01", Priority::p0, "shared edges and vertices are watertight",
+                              "Moeller-Trumbore in float",
+                              "edge functions in double, exact where rounding could decide "
+                              "(Woop, Benthin, Wald 2013; Shewchuk 1997)",
+                              "jbikker/tinybvh#168, RenderKit/embree#174, RenderKit/embree#188, "
+                              "mitsuba-renderer/mitsuba3#1149",
+                              run});
 
 }  // namespace
 }  // namespace talbot::hardcases

@@ -47,8 +47,8 @@ struct Blocks {
         for (int i = 0; i < 20; ++i) {
             const Vec3f lo(Vec3d(rng.between(-4, 4), rng.between(-4, 4), rng.between(-4, 4)));
             MeshData box;
-            box.add_box(lo, lo + Vec3f(Vec3d(rng.between(0, 2), rng.between(1, 2),
-                                             rng.between(1, 2))));
+            box.add_box(lo,
+                        lo + Vec3f(Vec3d(rng.between(0, 2), rng.between(1, 2), rng.between(1, 2))));
             boxes.push_back(box);
             scene.show(box);
         }
@@ -136,20 +136,24 @@ double time_ratio(uint64_t count) {
 
 CaseResult run(Effort effort) {
     CaseResult result;
-    result.measures.push_back(
-        over_inputs<Failures>(1, inputs(effort, 2e3, 4e5), see_box, 64)
-            .measure("boxes that are met and rejected"));
+    result.measures.push_back(over_inputs<Failures>(1, inputs(effort, 2e3, 4e5), see_box, 64)
+                                  .measure("boxes that are met and rejected"));
     result.measures.push_back(axis_aligned_scene(inputs(effort, 4e4, 5e6))
                                   .measure("rays along axes that differ from brute force"));
-    Measure speed{"time of rays along axes over that of turned ones", NAN,
-                  time_ratio(inputs(effort, 2e4, 1e5)), 1.05, Gate::at_most, ""};
+    Measure speed{"time of rays along axes over that of turned ones",
+                  NAN,
+                  time_ratio(inputs(effort, 2e4, 1e5)),
+                  1.05,
+                  Gate::at_most,
+                  ""};
     result.measures.push_back(speed);
     return result;
 }
 
 const bool kAdded = add_case(
     {"G02", Priority::p0, "zero and negative-zero directions", "swap of near and far, NaN rejects",
-     "near plane by the sign bit, parallel slabs by a power of two that never limits (after Ize 2013)",
+     "near plane by the sign bit, parallel slabs by a power of two that never limits (after Ize "
+     "2013)",
      "jbikker/tinybvh#282, jbikker/tinybvh#286, RenderKit/embree#589, madmann91/bvh#21", run});
 
 }  // namespace

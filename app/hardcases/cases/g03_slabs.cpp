@@ -51,11 +51,11 @@ CaseResult run(Effort effort) {
     return result;
 }
 
-const bool kAdded = add_case(
-    {"G03", Priority::p0, "conservative box tests",
-     "no padding (and, for hits that are none, padding by 1e-3)",
-     "offsets padded by their own error, far planes by 1 + 16 eps (Ize 2013)",
-     "jbikker/tinybvh#286, RenderKit/embree#589", run});
+const bool kAdded =
+    add_case({"G03", Priority::p0, "conservative box tests",
+              "no padding (and, for hits that are none, padding by 1e-3)",
+              "offsets padded by their own error, far planes by 1 + 16 eps (Ize 2013)",
+              "jbikker/tinybvh#286, RenderKit/embree#589", run});
 
 }  // namespace
 }  // namespace talbot::hardcases

@@ -56,8 +56,8 @@ Needle random_needle(Rng& rng) {
     const Vec3f target = tri[0] + b0 * (tri[1] - tri[0]) + b1 * (tri[2] - tri[0]);
     const float angle = rng.uniform(-1, 1) * kPi / 360;
     const float turn = rng.uniform(0, 2 * kPi);
-    needle.ray.o = target + rng.uniform(0.5f, 20) *
-                                point(std::cos(turn), std::sin(turn), std::sin(angle));
+    needle.ray.o =
+        target + rng.uniform(0.5f, 20) * point(std::cos(turn), std::sin(turn), std::sin(angle));
     needle.ray.d = target - needle.ray.o;
     return needle;
 }
@@ -102,13 +102,12 @@ void see_needle(Rng& rng, NeedleScore& score) {
     score.outside.see(!std::isnan(naive) && is_outside(naive), found && is_outside(hit.t), where);
     if (!found || !expect) return;
     const auto t = static_cast<double>(numerator / denominator);
-    const double naive_error =
-        std::isnan(naive) ? 0 : std::abs(naive - t) * direction / unit(t);
+    const double naive_error = std::isnan(naive) ? 0 : std::abs(naive - t) * direction / unit(t);
     score.t_error.see(naive_error, std::abs(hit.t - t) * direction / unit(t), where);
 }
 
-// Triangles without area among the mesh's own vertices: points, doubled vertices and, on edges along
-// an axis, midpoints.
+// Triangles without area among the mesh's own vertices: points, doubled vertices and, on edges
+// along an axis, midpoints.
 void add_degenerate(Mesh& mesh, Rng& rng, int count) {
     const auto vertices = static_cast<uint32_t>(mesh.positions.size());
     const auto corners = static_cast<uint32_t>(mesh.indices.size());
@@ -152,8 +151,7 @@ uint64_t naive_nan_normals() {
 
 CaseResult run(Effort effort) {
     CaseResult result;
-    const NeedleScore needles =
-        over_inputs<NeedleScore>(1, inputs(effort, 2e5, 1e7), see_needle);
+    const NeedleScore needles = over_inputs<NeedleScore>(1, inputs(effort, 2e5, 1e7), see_needle);
     result.measures.push_back(needles.set.measure("needles hit or missed against binary128"));
     result.measures.push_back(needles.outside.measure("hits outside the padded bounds"));
     result.measures.push_back(needles.t_error.measure("error of t in units of eps (|o| + t)", 32));
@@ -164,10 +162,9 @@ CaseResult run(Effort effort) {
     const Rendering plain = render(lamp_scene(false), camera, with);
     const Rendering mixed = render(lamp_scene(true), camera, with);
     result.nonfinite = mixed.nonfinite;
-    result.measures.push_back({"pixels that change with triangles without area",
-                               static_cast<double>(naive_nan_normals()),
-                               static_cast<double>(differing_pixels(plain, mixed)), 0,
-                               Gate::at_most, ""});
+    result.measures.push_back(
+        {"pixels that change with triangles without area", static_cast<double>(naive_nan_normals()),
+         static_cast<double>(differing_pixels(plain, mixed)), 0, Gate::at_most, ""});
     result.measures.push_back({"normals or samples that are not finite",
                                static_cast<double>(naive_nan_normals()),
                                static_cast<double>(mixed.nonfinite), 0, Gate::at_most, ""});

@@ -92,8 +92,8 @@ SceneDesc desc_of(const MeshData& mesh, bool drop) {
 }
 
 struct Import {
-    uint64_t pixels = 0;       // that differ from the file without the triangles
-    uint64_t naive_pixels = 0; // that see nothing when the scene's box is poisoned
+    uint64_t pixels = 0;        // that differ from the file without the triangles
+    uint64_t naive_pixels = 0;  // that see nothing when the scene's box is poisoned
     uint64_t wrong_warnings = 0;
     uint64_t refused = 0;
     uint64_t nonfinite = 0;
@@ -110,8 +110,7 @@ Import imported(const MeshData& good) {
     const auto vertex = static_cast<uint32_t>(good.positions.size() - 1);
     for (const float value : kBad) {
         Pair pair = spoil(good, vertex, 1, value);
-        const Result<SceneDesc> bad =
-            load_text(gltf_text(desc_of(pair.bad, false), camera, with));
+        const Result<SceneDesc> bad = load_text(gltf_text(desc_of(pair.bad, false), camera, with));
         const Result<SceneDesc> plain =
             load_text(gltf_text(desc_of(pair.without, true), camera, with));
         if (!bad || !plain) {
@@ -128,8 +127,7 @@ Import imported(const MeshData& good) {
         for (uint32_t i = 0; i < with.width * with.height; ++i) {
             const Ray ray = rays.ray(static_cast<float>(i % with.width) + 0.5f,
                                      static_cast<float>(i / with.width) + 0.5f, Vec2f(0));
-            import.naive_pixels +=
-                b.film.pixels()[i].covered > 0 && !textbook_box(ray, poisoned);
+            import.naive_pixels += b.film.pixels()[i].covered > 0 && !textbook_box(ray, poisoned);
         }
     }
     return import;
@@ -178,8 +176,8 @@ CaseResult run(Effort effort) {
     CaseResult result;
     const bool full = effort == Effort::full;
     const MeshData good = displaced_sphere(full ? 92 : 16, 0.1f);
-    result.measures.push_back(
-        bad_vertices(good, full ? 200000 : 1500).measure("rays that a bad vertex elsewhere changes"));
+    result.measures.push_back(bad_vertices(good, full ? 200000 : 1500)
+                                  .measure("rays that a bad vertex elsewhere changes"));
     const Import import = imported(displaced_sphere(full ? 92 : 16, 0.1f));
     result.nonfinite = import.nonfinite;
     result.measures.push_back({"pixels of a file that a bad vertex elsewhere changes",
@@ -193,11 +191,11 @@ CaseResult run(Effort effort) {
     return result;
 }
 
-const bool kAdded = add_case(
-    {"G05", Priority::p0, "NaN, infinite and huge numbers in vertices and rays",
-     "bounds that NaN poisons; textbook sphere test",
-     "triangles of bad vertices are dropped and counted at import, bad rays miss",
-     "embree and Cycles source", run});
+const bool kAdded =
+    add_case({"G05", Priority::p0, "NaN, infinite and huge numbers in vertices and rays",
+              "bounds that NaN poisons; textbook sphere test",
+              "triangles of bad vertices are dropped and counted at import, bad rays miss",
+              "embree and Cycles source", run});
 
 }  // namespace
 }  // namespace talbot::hardcases

@@ -120,23 +120,20 @@ CaseResult run(Effort effort) {
     const auto many = [&](uint64_t seed, double quick, double full, const auto& body) {
         return over_inputs<SpawnScore>(seed, inputs(effort, quick, full), body, 1);
     };
-    SpawnScore plain = many(1, 25, 5000, [](Rng& rng, SpawnScore& score) {
-        see_triangles(rng, false, score);
-    });
-    SpawnScore instanced = many(2, 12, 2500, [](Rng& rng, SpawnScore& score) {
-        see_triangles(rng, true, score);
-    });
+    SpawnScore plain =
+        many(1, 25, 5000, [](Rng& rng, SpawnScore& score) { see_triangles(rng, false, score); });
+    SpawnScore instanced =
+        many(2, 12, 2500, [](Rng& rng, SpawnScore& score) { see_triangles(rng, true, score); });
     SpawnScore spheres = many(3, 40, 8000, see_spheres);
     const auto add = [&](const char* what, const SpawnScore& score) {
-        result.measures.push_back(score.epsilon.measure(
-            std::string("self-hits on ") + what + " against 1e-4 along the ray"));
-        result.measures.push_back(score.nothing.measure(
-            std::string("self-hits on ") + what + " against no offset"));
+        result.measures.push_back(score.epsilon.measure(std::string("self-hits on ") + what +
+                                                        " against 1e-4 along the ray"));
+        result.measures.push_back(
+            score.nothing.measure(std::string("self-hits on ") + what + " against no offset"));
         const auto n = static_cast<double>(score.count);
-        result.measures.push_back({std::string("mean offset on ") + what +
-                                       ", in eps times the largest coordinate",
-                                   score.naive_offsets / n, score.offsets / n, 16, Gate::at_most,
-                                   ""});
+        result.measures.push_back(
+            {std::string("mean offset on ") + what + ", in eps times the largest coordinate",
+             score.naive_offsets / n, score.offsets / n, 16, Gate::at_most, ""});
     };
     add("triangles", plain);
     add("instances", instanced);

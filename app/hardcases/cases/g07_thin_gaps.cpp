@@ -1,5 +1,5 @@
-// G07: offsets must not jump over a surface that is near: nested spheres, parallel sheets, the inside
-// of acute wedges.
+// G07: offsets must not jump over a surface that is near: nested spheres, parallel sheets, the
+// inside of acute wedges.
 #include <cmath>
 #include <cstdint>
 
@@ -97,8 +97,8 @@ Failures sheets(double gap, uint64_t seed, uint64_t rays) {
         4);
 }
 
-// A closed prism over a triangle with that angle at one edge: no ray that starts near the edge, from
-// where the wedge is kLeastWidth wide, may come out.
+// A closed prism over a triangle with that angle at one edge: no ray that starts near the edge,
+// from where the wedge is kLeastWidth wide, may come out.
 constexpr double kLeastWidth = 1e-6;
 
 Failures wedge(double angle, uint64_t seed, uint64_t rays) {
@@ -174,7 +174,8 @@ Gaps smallest(const Try& attempt, Sweep& sweep) {
 CaseResult run(Effort effort) {
     CaseResult result;
     const uint64_t rays = inputs(effort, 6000, 500000);
-    Sweep spheres{"gap between spheres over their radius", "wrong next surface, share", true, 0, {}};
+    Sweep spheres{
+        "gap between spheres over their radius", "wrong next surface, share", true, 0, {}};
     // The extent of the spheres is their diameter, that of the sheets their side.
     const Gaps s = smallest(
         [&](double gap, uint64_t seed) { return nested_spheres(2 * gap, seed, rays); }, spheres);
@@ -195,15 +196,16 @@ CaseResult run(Effort effort) {
             {angle, static_cast<double>(w.naive) / n, static_cast<double>(w.own) / n});
         leaks.merge(w);
     }
-    result.measures.push_back(leaks.measure("rays that leave a closed wedge of 1 to 1e-3 rad, from where it is 1e-6 wide"));
+    result.measures.push_back(leaks.measure(
+        "rays that leave a closed wedge of 1 to 1e-3 rad, from where it is 1e-6 wide"));
     result.sweeps = {spheres, flat, angles};
     return result;
 }
 
-const bool kAdded = add_case({"G07", Priority::p0, "thin gaps and acute corners",
-                              "1e-4 along the ray",
-                              "offset of a few units in the last place, primitive left out by identity",
-                              "mitsuba-renderer/mitsuba3#1871, RenderKit/ospray#279", run});
+const bool kAdded =
+    add_case({"G07", Priority::p0, "thin gaps and acute corners", "1e-4 along the ray",
+              "offset of a few units in the last place, primitive left out by identity",
+              "mitsuba-renderer/mitsuba3#1871, RenderKit/ospray#279", run});
 
 }  // namespace
 }  // namespace talbot::hardcases

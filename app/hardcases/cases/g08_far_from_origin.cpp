@@ -1,4 +1,5 @@
-// G08: the same scene at 1e5 to 1e7 from the origin, as a transform in double and as float vertices.
+// G08: the same scene at 1e5 to 1e7 from the origin, as a transform in double and as float
+// vertices.
 #include <cmath>
 #include <cstdint>
 
@@ -80,8 +81,11 @@ CaseResult run(Effort effort) {
     const Rendering here = render(desc, camera, with);
     const SceneDesc exact = representable(desc);
     const Rendering exact_here = render(exact, camera, with);
-    Sweep sweep{"distance from the origin, room of 2 m", "relMSE against the scene at the origin",
-                true, 1e-6, {}};
+    Sweep sweep{"distance from the origin, room of 2 m",
+                "relMSE against the scene at the origin",
+                true,
+                1e-6,
+                {}};
     double worst = 0;
     double naive_worst = 0;
     uint64_t changed = 0;
@@ -103,8 +107,8 @@ CaseResult run(Effort effort) {
                                      gltf_text(moved(desc, by), moved(camera, by), with)});
         }
     }
-    result.measures.push_back({"relMSE of a scene moved by 1e5 to 1e7, against unmoved", naive_worst,
-                               worst, 1e-6, Gate::at_most, ""});
+    result.measures.push_back({"relMSE of a scene moved by 1e5 to 1e7, against unmoved",
+                               naive_worst, worst, 1e-6, Gate::at_most, ""});
     result.measures.push_back({"pixels that change where the sum with T is exact",
                                static_cast<double>(naive_changed), static_cast<double>(changed), 0,
                                Gate::at_most, ""});
@@ -136,7 +140,8 @@ CaseResult run(Effort effort) {
 const bool kAdded = add_case(
     {"G08", Priority::p0, "scenes far from the origin", "vertices in float world coordinates",
      "transforms composed in double, the scene re-centred before it becomes float",
-     "Blender T43835, LuxCoreRender/LuxCore#327, gkjohnson/three-gpu-pathtracer#678, mmp/pbrt-v3#265",
+     "Blender T43835, LuxCoreRender/LuxCore#327, gkjohnson/three-gpu-pathtracer#678, "
+     "mmp/pbrt-v3#265",
      run});
 
 }  // namespace

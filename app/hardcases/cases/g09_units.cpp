@@ -1,5 +1,5 @@
-// G09: a scene in other units. Radiance does not depend on the scale, and multiplying all lengths by
-// a power of two changes no bit of IEEE arithmetic: any fixed length in the code shows.
+// G09: a scene in other units. Radiance does not depend on the scale, and multiplying all lengths
+// by a power of two changes no bit of IEEE arithmetic: any fixed length in the code shows.
 #include <cmath>
 #include <cstdint>
 
@@ -58,18 +58,18 @@ CaseResult run(Effort effort) {
             naive_worst,
             relmse(naive_render(scaled(plain, s), scaled(camera, s), with, kLeastT), naive_unit));
     }
-    result.measures.push_back({"relMSE of scales 1e-6 and 1e6 against 1", naive_worst, worst, 1e-6,
-                               Gate::at_most, ""});
+    result.measures.push_back(
+        {"relMSE of scales 1e-6 and 1e6 against 1", naive_worst, worst, 1e-6, Gate::at_most, ""});
     result.sweeps = {sweep};
     return result;
 }
 
-const bool kAdded = add_case({"G09", Priority::p0, "tiny and huge units",
-                              "least t of 1e-3 (as in RTIOW)",
-                              "no length in the code: bounds are multiples of the unit roundoff",
-                              "knightcrawler25/GLSL-PathTracer#35, LuxCoreRender/LuxCore#79, "
-                              "havokentity/demont-engine#256",
-                              run});
+const bool kAdded =
+    add_case({"G09", Priority::p0, "tiny and huge units", "least t of 1e-3 (as in RTIOW)",
+              "no length in the code: bounds are multiples of the unit roundoff",
+              "knightcrawler25/GLSL-PathTracer#35, LuxCoreRender/LuxCore#79, "
+              "havokentity/demont-engine#256",
+              run});
 
 }  // namespace
 }  // namespace talbot::hardcases

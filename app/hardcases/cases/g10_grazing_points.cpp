@@ -19,10 +19,11 @@ double plane_distance(const Vec3f& p, const std::array<Vec3f, 3>& tri) {
     return static_cast<double>(dot(n, minus<Quad>(p, tri[0])) / square_root(dot(n, n)));
 }
 
-// One triangle at 0 to 1e4 from the origin, rays at `angle` to its plane; distances of their hits in
-// units of eps sum |b_i v_i|.
+// One triangle at 0 to 1e4 from the origin, rays at `angle` to its plane; distances of their hits
+// in units of eps sum |b_i v_i|.
 void see_plane(double angle, Rng& rng, Largest& error) {
-    const Vec3f at = rng.below(2) != 0 ? Vec3f(0) : rng.direction() * std::pow(10.0f, rng.uniform(0, 4));
+    const Vec3f at =
+        rng.below(2) != 0 ? Vec3f(0) : rng.direction() * std::pow(10.0f, rng.uniform(0, 4));
     SceneDesc desc;
     Mesh mesh;
     for (int k = 0; k < 3; ++k) mesh.positions.push_back(at + rng.in_box(-1, 1));
@@ -36,7 +37,8 @@ void see_plane(double angle, Rng& rng, Largest& error) {
     const Mesh& stored = scene->geometry().meshes[scene->geometry().instances[0].mesh];
     const std::array<Vec3f, 3> tri = {stored.positions[0], stored.positions[1],
                                       stored.positions[2]};
-    const Vec3d cross_product = talbot::cross(Vec3d(tri[1]) - Vec3d(tri[0]), Vec3d(tri[2]) - Vec3d(tri[0]));
+    const Vec3d cross_product =
+        talbot::cross(Vec3d(tri[1]) - Vec3d(tri[0]), Vec3d(tri[2]) - Vec3d(tri[0]));
     if (!(length(cross_product) > 1e-2)) return;
     const Vec3d n = normalize(cross_product);
     for (int i = 0; i < 32; ++i) {
@@ -154,7 +156,8 @@ CaseResult run(Effort effort) {
     CaseResult result;
     Largest planes;
     Largest limbs;
-    Sweep sweep{"angle to the plane, radians", "distance from it in eps sum |b_i v_i|", true, 8, {}};
+    Sweep sweep{
+        "angle to the plane, radians", "distance from it in eps sum |b_i v_i|", true, 8, {}};
     for (int k = 1; k <= 7; ++k) {
         const double angle = std::pow(10.0, -k);
         const auto seed = static_cast<uint64_t>(k);
@@ -170,8 +173,8 @@ CaseResult run(Effort effort) {
         planes.measure("distance of hit points from the plane, in eps sum |b_i v_i|", 8));
     result.measures.push_back(
         limbs.measure("distance of hit points from a sphere, in eps (|c| + r)", 8));
-    result.measures.push_back(
-        right_triangle(inputs(effort, 2500, 200000)).measure("grazing rays that meet a wrong triangle"));
+    result.measures.push_back(right_triangle(inputs(effort, 2500, 200000))
+                                  .measure("grazing rays that meet a wrong triangle"));
     result.sweeps = {sweep};
     return result;
 }

@@ -23,8 +23,8 @@ Ray ray_at_ground(Rng& rng) {
     ray.o = Vec3f(rng.uniform(-1, 1), std::pow(10.0f, rng.uniform(-3, 0.5f)), rng.uniform(-1, 1));
     const float phi = rng.uniform(0, 2 * kPi);
     const float angle = rng.uniform(1, 90) * kPi / 180;
-    ray.d = Vec3f(std::cos(angle) * std::cos(phi), -std::sin(angle),
-                  std::cos(angle) * std::sin(phi));
+    ray.d =
+        Vec3f(std::cos(angle) * std::cos(phi), -std::sin(angle), std::cos(angle) * std::sin(phi));
     return ray;
 }
 
@@ -97,7 +97,8 @@ void rings(double radius, uint64_t lines, double& naive_ratio, double& own_ratio
     RadialProfile naive;
     RadialProfile own;
     for (uint64_t k = 0; k < lines; ++k) {
-        const double phi = 2 * std::numbers::pi * (static_cast<double>(k) + 0.5) / static_cast<double>(lines);
+        const double phi =
+            2 * std::numbers::pi * (static_cast<double>(k) + 0.5) / static_cast<double>(lines);
         std::vector<double> naive_line(RadialProfile::kSize);
         std::vector<double> own_line(RadialProfile::kSize);
         for (size_t i = 0; i < RadialProfile::kSize; ++i) {
@@ -105,7 +106,8 @@ void rings(double radius, uint64_t lines, double& naive_ratio, double& own_ratio
             ray.o = Vec3f(0.3f, 1.7f, 0.2f);
             const double away = 0.5 + 0.1 * static_cast<double>(i);
             ray.d = normalize(Vec3f(Vec3d(away * std::cos(phi), -1.7, away * std::sin(phi))));
-            const ExactSphere exact = exact_sphere(ray, scene->geometry().spheres[0].center, radius);
+            const ExactSphere exact =
+                exact_sphere(ray, scene->geometry().spheres[0].center, radius);
             const Vec3d n = Vec3d(exact.point[0], exact.point[1], exact.point[2]) / radius;
             const double expected = talbot::dot(n, Vec3d(sun));
             Hit hit;
@@ -125,7 +127,8 @@ void rings(double radius, uint64_t lines, double& naive_ratio, double& own_ratio
                 shadow.d = sun;
                 float s[2] = {0, 0};
                 const bool hidden = naive_sphere(shadow, center, r, s) && (s[0] > 0 || s[1] > 0);
-                naive_line[i] = (hidden ? 0 : double{talbot::dot((p - center) / r, sun)}) - expected;
+                naive_line[i] =
+                    (hidden ? 0 : double{talbot::dot((p - center) / r, sun)}) - expected;
             }
         }
         constexpr double kStep = 0x10p-24;

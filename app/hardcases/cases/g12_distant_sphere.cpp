@@ -124,8 +124,9 @@ CaseResult run(Effort effort) {
             static_cast<uint64_t>(k), inputs(effort, 400, 60000),
             [&](Rng& rng, Distant& score) { see_sphere(ratio, rng, score); }, 16);
         const auto n = static_cast<double>(d.hits.inputs);
-        if (d.hits.inputs > 0) misses.points.push_back({ratio, static_cast<double>(d.hits.naive) / n,
-                                 static_cast<double>(d.hits.own) / n});
+        if (d.hits.inputs > 0)
+            misses.points.push_back({ratio, static_cast<double>(d.hits.naive) / n,
+                                     static_cast<double>(d.hits.own) / n});
         points.points.push_back({ratio, d.point.naive, d.point.own});
         all.merge(d);
     }

@@ -179,9 +179,10 @@ CaseResult run(Effort effort) {
         fight(cube_on_floor(plain, 4), slanted, axis);
     }
     const auto add = [&](const char* what, const Fights& f) {
-        result.measures.push_back(
-            {std::string("flipped pixels, ") + what + line(" (of %.3g)", static_cast<double>(f.pixels)),
-             static_cast<double>(f.naive), static_cast<double>(f.own), 0, Gate::at_most, ""});
+        result.measures.push_back({std::string("flipped pixels, ") + what +
+                                       line(" (of %.3g)", static_cast<double>(f.pixels)),
+                                   static_cast<double>(f.naive), static_cast<double>(f.own), 0,
+                                   Gate::at_most, ""});
     };
     add("in planes that float holds", axis);
     add("turned, on the same corners", copies);
@@ -193,10 +194,9 @@ CaseResult run(Effort effort) {
     return result;
 }
 
-const bool kAdded = add_case({"G13", Priority::p1, "coplanar and coincident surfaces",
-                              "nearest float t, last among equals",
-                              "t rounded once from double, ties by the lower id",
-                              "powroupi/blender_mmd_tools#214", run});
+const bool kAdded = add_case(
+    {"G13", Priority::p1, "coplanar and coincident surfaces", "nearest float t, last among equals",
+     "t rounded once from double, ties by the lower id", "powroupi/blender_mmd_tools#214", run});
 
 }  // namespace
 }  // namespace talbot::hardcases

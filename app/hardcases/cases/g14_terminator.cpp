@@ -52,7 +52,7 @@ double naive_light(const Scene& scene, const SurfaceInteraction& si, const Vec3f
 }
 
 struct Band {
-    double naive = 0, own = 0;  // RMSE within 10 degrees of the terminator
+    double naive = 0, own = 0;                // RMSE within 10 degrees of the terminator
     uint64_t naive_rises = 0, own_rises = 0;  // towards the dark
     uint64_t naive_turns = 0, own_turns = 0;  // between light and black along the terminator
 };
@@ -148,8 +148,8 @@ void count_turns(const Setup& setup, Band& band) {
         bool own_before = true;
         for (int k = 0; k < 720; ++k) {
             const double phi = 2 * std::numbers::pi * k / 720;
-            const Vec3d n = std::cos(a) * setup.sun +
-                            std::sin(a) * (std::cos(phi) * u + std::sin(phi) * v);
+            const Vec3d n =
+                std::cos(a) * setup.sun + std::sin(a) * (std::cos(phi) * u + std::sin(phi) * v);
             Ray ray;
             ray.o = Vec3f(2.0 * n - scene->origin());
             ray.d = Vec3f(-n);
@@ -206,7 +206,10 @@ CaseResult run(Effort effort) {
     Band all;
     std::string where;
     Sweep sweep{"angle between sun and line of sight, degrees; sphere of 8 x 16",
-                "RMSE near the terminator", false, 0, {}};
+                "RMSE near the terminator",
+                false,
+                0,
+                {}};
     for (const uint32_t stacks : {8u, 16u, 32u}) {
         for (const double degrees : {60.0, 70.0, 80.0, 88.0}) {
             const Setup setup = sphere_under_sun(stacks, degrees, true);
@@ -247,7 +250,8 @@ CaseResult run(Effort effort) {
 
 const bool kAdded = add_case(
     {"G14", Priority::p0, "shadow terminator of smooth normals", "facets cast shadows as they are",
-     "rays leave from the round surface that the normals describe (Hanika 2021, Ray Tracing Gems II, "
+     "rays leave from the round surface that the normals describe (Hanika 2021, Ray Tracing Gems "
+     "II, "
      "chapter 4)",
      "mitsuba-renderer/mitsuba3#885, nvpro-samples/vk_gltf_renderer#42, RenderKit/ospray#75", run});
 

@@ -1,5 +1,5 @@
-// G15: mirrored, squeezed, stretched and sheared instances against the mesh transformed beforehand in
-// double; singular ones are left out.
+// G15: mirrored, squeezed, stretched and sheared instances against the mesh transformed beforehand
+// in double; singular ones are left out.
 #include <cmath>
 #include <cstdint>
 
@@ -39,8 +39,8 @@ std::vector<Transform> transforms() {
             {"scale (1, 1e-7, 1)", stretch(1, 1e-7, 1)},
             {"scale (1e6, 1, 1e-6)", stretch(1e6, 1, 1e-6)},
             {"shear by 100", shear},
-            {"mirror, scale and move", translation(Vec3d(1e4, -2e4, 3e4)) * turn *
-                                           stretch(0.1, 0.2, -3)}};
+            {"mirror, scale and move",
+             translation(Vec3d(1e4, -2e4, 3e4)) * turn * stretch(0.1, 0.2, -3)}};
 }
 
 // Crossings along the ray by plain double arithmetic on the transformed mesh.
@@ -148,9 +148,9 @@ void see_transform(const Mesh& mesh, const Transform& transform, uint64_t seed, 
             wrong = wrong || si.front != c.entering;
             // Control: mat3(M) n.
             const uint32_t* index = &mesh.indices[size_t{3} * hit.id.primitive];
-            const Vec3d object = talbot::cross(
-                Vec3d(mesh.positions[index[1]]) - Vec3d(mesh.positions[index[0]]),
-                Vec3d(mesh.positions[index[2]]) - Vec3d(mesh.positions[index[0]]));
+            const Vec3d object =
+                talbot::cross(Vec3d(mesh.positions[index[1]]) - Vec3d(mesh.positions[index[0]]),
+                              Vec3d(mesh.positions[index[2]]) - Vec3d(mesh.positions[index[0]]));
             const Vec3d naive = normalize(Mat3d(world) * object);
             naive_wrong = naive_wrong || (talbot::dot(naive, Vec3d(ray.d)) < 0) != c.entering;
             score.normal.see(length(naive - c.n), length(Vec3d(si.n_geometric) - c.n), where);
@@ -207,7 +207,8 @@ const bool kAdded = add_case(
     {"G15", Priority::p0, "mirrored, squeezed and sheared instances", "normals by mat3(M)",
      "inverse in double, normals by the cofactor matrix with the sign of the determinant, singular "
      "instances dropped with a warning",
-     "google/filament#3001, NVIDIA-RTX/Donut#3, LuxCoreRender/LuxCore#300, KhronosGroup/ANARI-SDK#8",
+     "google/filament#3001, NVIDIA-RTX/Donut#3, LuxCoreRender/LuxCore#300, "
+     "KhronosGroup/ANARI-SDK#8",
      run});
 
 }  // namespace

@@ -167,7 +167,8 @@ Deep see_chain(const Mesh& mesh, const std::string& text, const std::vector<Node
         score.leaks.see(false, !found, where);
         if (!found) return;
         const auto si = make_surface_interaction<kMatteTier>(*scene, ray, hit);
-        const Mesh& stored = scene->geometry().meshes[scene->geometry().instances[hit.id.instance].mesh];
+        const Mesh& stored =
+            scene->geometry().meshes[scene->geometry().instances[hit.id.instance].mesh];
         const uint32_t* at = &stored.indices[size_t{3} * hit.id.primitive];
         const double u = hit.u;
         const double v = hit.v;
@@ -207,9 +208,10 @@ CaseResult run(Effort effort) {
     return result;
 }
 
-const bool kAdded = add_case({"G16", Priority::p1, "deep instancing", "matrices multiplied in float",
-                              "one matrix a placed mesh, composed in double, re-centred",
-                              "developer.blender.org/D6250", run});
+const bool kAdded =
+    add_case({"G16", Priority::p1, "deep instancing", "matrices multiplied in float",
+              "one matrix a placed mesh, composed in double, re-centred",
+              "developer.blender.org/D6250", run});
 
 }  // namespace
 }  // namespace talbot::hardcases

@@ -37,10 +37,10 @@ uint32_t naive_depth(const MeshData& mesh, uint32_t cap) {
         const Vec3f size = box.upper - box.lower;
         const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
         const float middle = 0.5f * box.lower[axis] + 0.5f * box.upper[axis];
-        const auto split = std::partition(
-            centroids.begin() + static_cast<std::ptrdiff_t>(range.begin),
-            centroids.begin() + static_cast<std::ptrdiff_t>(range.end),
-            [&](const Vec3f& c) { return c[axis] < middle; });
+        const auto split =
+            std::partition(centroids.begin() + static_cast<std::ptrdiff_t>(range.begin),
+                           centroids.begin() + static_cast<std::ptrdiff_t>(range.end),
+                           [&](const Vec3f& c) { return c[axis] < middle; });
         const auto at = static_cast<size_t>(split - centroids.begin());
         if (at == range.begin || at == range.end) return cap;  // the same range again, for ever
         stack.push_back({range.begin, at, range.depth + 1});
@@ -68,7 +68,8 @@ std::vector<Input> make_inputs(bool full) {
         const float s = std::ldexp(1.0f, j);
         powers.add_triangle({s, 0, 0}, {1.5f * s, s, 0}, {s, 0, s});
     }
-    list.push_back({"centroids at powers of two", std::move(powers), full ? 100000u : 3000u, false});
+    list.push_back(
+        {"centroids at powers of two", std::move(powers), full ? 100000u : 3000u, false});
     MeshData shells;
     const MeshData shell = displaced_sphere(2, 0);
     for (int j = 0; j < 24; ++j) {
@@ -88,14 +89,16 @@ std::vector<Input> make_inputs(bool full) {
         const auto s = static_cast<float>(i);
         nested.add_quad({-s, -s, 0}, {s, -s, 0}, {s, s, 0}, {-s, s, 0});
     }
-    list.push_back({"equal centroids of every size", std::move(nested), full ? 50000u : 500u, false});
+    list.push_back(
+        {"equal centroids of every size", std::move(nested), full ? 50000u : 500u, false});
     for (int n = 0; n <= 2; ++n) {
         MeshData small;
         for (int i = 0; i < n; ++i) {
             const auto z = static_cast<float>(i);
             small.add_triangle({0, 0, z}, {1, 0, z}, {0, 1, z});
         }
-        list.push_back({"none, one or two triangles", std::move(small), full ? 100000u : 1000u, false});
+        list.push_back(
+            {"none, one or two triangles", std::move(small), full ? 100000u : 1000u, false});
     }
     return list;
 }
@@ -112,8 +115,8 @@ Failures against_brute_force(const Input& input, const SceneData& scene, const A
             ray.o = 0.5f * (box.lower + box.upper) + rng.in_box(-1, 1) * (box.upper - box.lower);
             Vec3f target = box.lower + rng.in_box(0, 1) * (box.upper - box.lower);
             if (input.mesh.triangles() > 0 && rng.below(2) != 0) {
-                const auto t = input.mesh.triangle(
-                    rng.below(static_cast<uint32_t>(input.mesh.triangles())));
+                const auto t =
+                    input.mesh.triangle(rng.below(static_cast<uint32_t>(input.mesh.triangles())));
                 target = (t[0] + t[1] + t[2]) / 3.0f;
                 ray.o = target + rng.in_box(-2, 2) * length(t[1] - t[0]);
             }
@@ -172,13 +175,14 @@ CaseResult run(Effort effort) {
     result.measures.push_back(hits);
     result.measures.push_back({"depth of the tree (cap of its stack)", naive_deepest, deepest,
                                kMaxDepth, Gate::at_most, ""});
-    result.measures.push_back({"time of the build over that of random triangles", NAN, ratio, 5,
-                               Gate::at_most, where});
+    result.measures.push_back(
+        {"time of the build over that of random triangles", NAN, ratio, 5, Gate::at_most, where});
     return result;
 }
 
 const bool kAdded = add_case(
-    {"G17", Priority::p0, "degenerate and deep trees", "halving the centroids' box without a way out",
+    {"G17", Priority::p0, "degenerate and deep trees",
+     "halving the centroids' box without a way out",
      "ranges are halved by count from a fixed depth on, the stack is sized for that",
      "jbikker/tinybvh#164, jbikker/tinybvh#192, bepu/bepuphysics2#354, svenstaro/bvh#136", run});
 

@@ -71,7 +71,10 @@ Measure all_hits(uint32_t count) {
         return next;
     });
     return {line("layers missed or repeated (of %u, a millimetre apart)", count),
-            static_cast<double>(naive), static_cast<double>(own), 0, Gate::at_most,
+            static_cast<double>(naive),
+            static_cast<double>(own),
+            0,
+            Gate::at_most,
             "d " + hex(d)};
 }
 
@@ -197,9 +200,9 @@ CaseImages staircase(uint64_t passes, uint64_t& nonfinite) {
     ImageRgba naive = own.image;
     for (uint32_t i = 0; i < naive.rgb.size(); ++i) {
         const uint32_t layers = i % with.width / 2 + 1;
-        naive.rgb[i] = layers > 16 ? Rgb(0)
-                                   : desc.environment.color *
-                                         std::pow(1 - kAlpha, static_cast<float>(layers));
+        naive.rgb[i] =
+            layers > 16 ? Rgb(0)
+                        : desc.environment.color * std::pow(1 - kAlpha, static_cast<float>(layers));
     }
     return {naive, own.image, "g18-sheets.gltf", gltf_text(desc, camera, with)};
 }
@@ -219,7 +222,8 @@ CaseResult run(Effort effort) {
 const bool kAdded = add_case(
     {"G18", Priority::p0, "thousands to millions of layers",
      "t + 1e-3; black beyond 16 layers or 16 events",
-     "the layer that was left is excluded by identity, coverage is decided within one traversal, no "
+     "the layer that was left is excluded by identity, coverage is decided within one traversal, "
+     "no "
      "cap on layers",
      "LuxCoreRender/LuxCore#124, GPUOpen-LibrariesAndSDKs/RadeonRays_SDK#47, chunky-dev/chunky#511",
      run});

@@ -47,8 +47,9 @@ void see_lamp(double distance, Rng& rng, Failures& failures) {
     const auto scene = Scene::build(desc, pool);
     const LightTable lights(*scene);
     for (int i = 0; i < 32; ++i) {
-        const Vec3d target = 0.28 * distance * (static_cast<double>(rng.uniform(-1, 1)) * u +
-                                                static_cast<double>(rng.uniform(-1, 1)) * v) -
+        const Vec3d target = 0.28 * distance *
+                                 (static_cast<double>(rng.uniform(-1, 1)) * u +
+                                  static_cast<double>(rng.uniform(-1, 1)) * v) -
                              scene->origin();
         Ray ray;
         ray.o = Vec3f(target - 0.3 * distance * (w + 0.3 * Vec3d(rng.direction())));
@@ -56,7 +57,8 @@ void see_lamp(double distance, Rng& rng, Failures& failures) {
         Hit hit;
         if (!scene->accel().closest(ray, hit) || hit.id.instance != 0) continue;
         const auto si = make_surface_interaction<kMatteTier>(*scene, ray, hit);
-        const Vec3f n = talbot::dot(Vec3d(si.n_geometric), -w) > 0 ? si.n_geometric : -si.n_geometric;
+        const Vec3f n =
+            talbot::dot(Vec3d(si.n_geometric), -w) > 0 ? si.n_geometric : -si.n_geometric;
         const Vec2f numbers(rng.uniform(), rng.uniform());
         const auto light = lights.sample(*scene, si.p, n, rng.uniform(), numbers);
         if (!light) continue;
@@ -88,12 +90,13 @@ CaseResult run(Effort effort) {
             },
             4);
         const auto n = static_cast<double>(f.inputs);
-        sweep.points.push_back({std::pow(10.0, k), static_cast<double>(f.naive) / n,
-                                static_cast<double>(f.own) / n});
+        sweep.points.push_back(
+            {std::pow(10.0, k), static_cast<double>(f.naive) / n, static_cast<double>(f.own) / n});
         all.merge(f);
     }
-    result.measures.push_back(all.measure("wrong shadow rays, occluder 5e-6 to 0.1 of the distance "
-                                          "before or behind the lamp"));
+    result.measures.push_back(
+        all.measure("wrong shadow rays, occluder 5e-6 to 0.1 of the distance "
+                    "before or behind the lamp"));
     result.sweeps = {sweep};
     return result;
 }

@@ -4,9 +4,9 @@
 namespace talbot::hardcases {
 namespace {
 
-const bool kShapes =
-    add_not_simulated({"G20", "curves, cylinders, cones, discs, bilinear patches",
-                       "glTF has triangles; Talbot adds exact spheres (G11, G12) and nothing else"});
+const bool kShapes = add_not_simulated(
+    {"G20", "curves, cylinders, cones, discs, bilinear patches",
+     "glTF has triangles; Talbot adds exact spheres (G11, G12) and nothing else"});
 
 const bool kMotion = add_not_simulated(
     {"G21", "motion blur", "Talbot renders one instant of an animation, with the shutter closed"});

@@ -53,9 +53,9 @@ class Writer {
         scene["extras"]["environment"]["color"] = numbers(desc.environment.color);
         json_["scenes"] = Json::array({scene});
         if (!bytes_.empty()) {
-            json_["buffers"] = Json::array(
-                {{{"byteLength", bytes_.size()},
-                  {"uri", "data:application/octet-stream;base64," + base64(bytes_)}}});
+            json_["buffers"] =
+                Json::array({{{"byteLength", bytes_.size()},
+                              {"uri", "data:application/octet-stream;base64," + base64(bytes_)}}});
         }
         if (!extensions_.empty()) json_["extensionsUsed"] = extensions_;
         return json_.dump() + "\n";
@@ -138,9 +138,9 @@ class Writer {
         primitive["attributes"]["POSITION"] = add_vectors(mesh.positions, true);
         if (!mesh.normals.empty())
             primitive["attributes"]["NORMAL"] = add_vectors(mesh.normals, false);
-        primitive["indices"] = add_accessor(
-            mesh.indices.data(), mesh.indices.size(), mesh.indices.size() * sizeof(uint32_t),
-            {{"componentType", kUnsignedInt}, {"type", "SCALAR"}});
+        primitive["indices"] = add_accessor(mesh.indices.data(), mesh.indices.size(),
+                                            mesh.indices.size() * sizeof(uint32_t),
+                                            {{"componentType", kUnsignedInt}, {"type", "SCALAR"}});
         primitive["material"] = mesh.material;
         json_["meshes"].push_back({{"primitives", Json::array({primitive})}});
     }
@@ -193,10 +193,7 @@ class Writer {
         } else {
             out = {{"type", "orthographic"},
                    {"orthographic",
-                    {{"xmag", camera.xmag},
-                     {"ymag", camera.ymag},
-                     {"znear", 0},
-                     {"zfar", kFar}}}};
+                    {{"xmag", camera.xmag}, {"ymag", camera.ymag}, {"znear", 0}, {"zfar", kFar}}}};
         }
         out["extras"]["resolution"] = {with.width, with.height};
         json_["cameras"] = Json::array({out});

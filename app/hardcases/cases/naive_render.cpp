@@ -39,8 +39,7 @@ Rgb naive_radiance(const Scene& scene, const LightTable& lights, Ray ray, float 
     Rgb beta(1);
     for (uint32_t bounce = 0; bounce < max_depth; ++bounce) {
         Hit hit;
-        if (!scene.accel().closest(ray, hit))
-            return bounce == 0 ? scene.environment().color : sum;
+        if (!scene.accel().closest(ray, hit)) return bounce == 0 ? scene.environment().color : sum;
         const Material& material = scene.materials()[scene.material_of(hit.id)];
         const Vertex at = naive_vertex(scene, ray, hit);
         if (bounce == 0) sum += material.emissive_factor * material.emissive_strength;
@@ -84,8 +83,8 @@ ImageRgba naive_render(const SceneDesc& desc, const Camera& camera, const Render
         for (uint64_t k = 0; k < with.passes; ++k) {
             const float x = static_cast<float>(i % with.width) + rng.uniform();
             const float y = static_cast<float>(i / with.width) + rng.uniform();
-            sum += naive_radiance(*scene, lights, rays.ray(x, y, Vec2f(0)), epsilon,
-                                  with.max_depth, rng);
+            sum += naive_radiance(*scene, lights, rays.ray(x, y, Vec2f(0)), epsilon, with.max_depth,
+                                  rng);
         }
         image.rgb[i] = sum / static_cast<float>(with.passes);
     });

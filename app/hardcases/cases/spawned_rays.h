@@ -12,8 +12,8 @@
 namespace talbot::hardcases::geometry {
 
 struct SpawnScore {
-    Failures epsilon;  // control: 1e-4 along the new ray
-    Failures nothing;  // control: from the hit point
+    Failures epsilon;                       // control: 1e-4 along the new ray
+    Failures nothing;                       // control: from the hit point
     double offsets = 0, naive_offsets = 0;  // sums, in eps times the largest coordinate
     uint64_t count = 0;
 
