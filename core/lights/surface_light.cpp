@@ -19,6 +19,10 @@ TriangleView view_from(const Light& light, const Vec3f& p) {
     return view;
 }
 
+// Square of a point's distance to a place on a triangle over its longest edge's, below which that
+// place, rounded to float, says less about the direction than the direction that was drawn.
+constexpr float kTouching = 0x1p-20f;
+
 float longest_edge2(const Light& light) {
     const Vec3f e3 = light.e2 - light.e1;
     return std::max({dot(light.e1, light.e1), dot(light.e2, light.e2), dot(e3, e3)});
@@ -126,15 +130,16 @@ std::optional<LightSample> sample_triangle_light(const Scene& scene, const Light
     float b1 = 0;
     float b2 = 0;
     float pdf = 0;
+    Vec3d drawn(0);
     if (looks_large(light, p)) {
         const TriangleView view = view_from(light, p);
         const double omega = solid_angle(view);
         if (!(omega > 0)) return std::nullopt;
-        const Vec3d d = sample_solid_angle(view, omega, u);
+        drawn = sample_solid_angle(view, omega, u);
         // Barycentric weights of the direction: ratios of the three sub-volumes.
-        const double v0 = dot(d, cross(view.b, view.c));
-        const double v1 = dot(d, cross(view.c, view.a));
-        const double v2 = dot(d, cross(view.a, view.b));
+        const double v0 = dot(drawn, cross(view.b, view.c));
+        const double v1 = dot(drawn, cross(view.c, view.a));
+        const double v2 = dot(drawn, cross(view.a, view.b));
         const double sum = v0 + v1 + v2;
         if (sum == 0) return std::nullopt;
         b1 = clamp01(static_cast<float>(v1 / sum));
@@ -149,6 +154,7 @@ std::optional<LightSample> sample_triangle_light(const Scene& scene, const Light
     const Vec3f on = light.p0 + b1 * light.e1 + b2 * light.e2;
     LightSample sample;
     sample.wi = safe_normalize(on - p, -light.n);
+    if (pdf > 0 && dot(on - p, on - p) < kTouching * longest_edge2(light)) sample.wi = Vec3f(drawn);
     if (pdf == 0) pdf = pdf_triangle_light(light, p, on);
     if (!(pdf > 0)) return std::nullopt;
     sample.pdf = pdf;

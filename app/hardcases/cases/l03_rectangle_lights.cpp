@@ -135,7 +135,9 @@ CaseResult run(Effort effort) {
     Sweep sweep{"distance over the short side", "relative error of the irradiance", true, 1e-4, {}};
     const int steps = full ? 400 : 300;
     for (const Setup& s : setups()) {
-        if (!full && (s.at.x == 0 || std::abs(std::lround(std::log10(s.at.z))) % 2 == 0)) continue;
+        if (!full &&
+            (s.at.x == 0 || s.width == 10 || std::abs(std::lround(std::log10(s.at.z))) % 2 == 0))
+            continue;
         SceneBuilder builder;
         builder.mesh(SceneBuilder::quad(Vec3f(Vec3d(-s.width / 2, -s.height / 2, 0)),
                                         Vec3f(Vec3d(s.width, 0, 0)), Vec3f(Vec3d(0, s.height, 0))),
