@@ -35,7 +35,7 @@ Result<std::optional<AccuracyOptions>> parse(std::span<const std::string> args) 
     app.allow_extras();
     app.add_option(
            "--sweep", o.sweeps,
-           "KEY=v1,v2: max-depth, sampler, filter, roulette, nee, effects, tile-size; may be "
+           "KEY=v1,v2: max-depth, sampler, filter, roulette, nee, effects, effect.NAME, tile-size; may be "
            "repeated")
         ->allow_extra_args(false);
     app.add_option("--target-error", o.target_percent,

@@ -1,13 +1,10 @@
 // The report as one HTML file: table, curves as SVG with values under the pointer, pictures with a
 // wipe, error map. No network, no library; the figures are the JSON of --json, embedded.
-#include <unistd.h>
-
 #include <cstdio>
-#include <filesystem>
 
 #include "app/accuracy_report.h"
+#include "app/html_text.h"
 #include "core/accuracy/metrics.h"
-#include "core/io/image_io.h"
 
 namespace talbot {
 namespace {
@@ -100,29 +97,6 @@ document.getElementById('copy').addEventListener('click',()=>{
  if(navigator.clipboard)navigator.clipboard.writeText(text);});
 )";
 
-std::string escape(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            default:
-                out += c;
-        }
-    }
-    return out;
-}
-
 // Inside a script element nothing may look like its end.
 std::string embed(std::string json) {
     for (std::size_t at = 0; (at = json.find('<', at)) != std::string::npos; at += 6)
@@ -137,35 +111,6 @@ std::string json_string(const std::string& text) {
         out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
     }
     return out + '"';
-}
-
-std::string base64(const std::vector<uint8_t>& bytes) {
-    static constexpr char kDigits[] =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    out.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        const auto at = [&](std::size_t k) {
-            return i + k < bytes.size() ? uint32_t{bytes[i + k]} : 0u;
-        };
-        const uint32_t group = at(0) << 16 | at(1) << 8 | at(2);
-        for (int d = 0; d < 4; ++d) {
-            const bool padding = i + static_cast<std::size_t>(d) > bytes.size();
-            out += padding ? '=' : kDigits[(group >> (18 - 6 * d)) & 63];
-        }
-    }
-    return out;
-}
-
-Result<std::string> data_url(const ImageBytes& image) {
-    const std::filesystem::path file = std::filesystem::temp_directory_path() /
-                                       ("talbot-report-" + std::to_string(getpid()) + ".png");
-    if (const Status saved = save_png(file, image); !saved) return saved.error();
-    const Result<std::vector<uint8_t>> bytes = read_file(file);
-    std::error_code ignored;
-    std::filesystem::remove(file, ignored);
-    if (!bytes) return bytes.error();
-    return "data:image/png;base64," + base64(*bytes);
 }
 
 // Blocks as pixels of the image's size.
@@ -186,7 +131,7 @@ ImageBytes block_map(const SweepResult& r) {
 Result<std::string> pictures_json(const AccuracyReport& report) {
     std::string colors, images;
     const auto add = [&](const std::string& name, const ImageBytes& image) -> Status {
-        const Result<std::string> url = data_url(image);
+        const Result<std::string> url = png_data_url(image);
         if (!url) return url.error();
         images += (images.empty() ? "" : ",") + std::string("{\"name\":") + json_string(name) +
                   ",\"url\":" + json_string(*url) + "}";
@@ -221,10 +166,10 @@ Result<std::string> report_html(const AccuracyReport& report) {
     std::snprintf(target, sizeof(target), "%.3g", report.outcome.target_percent);
     std::string html =
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Accuracy of ";
-    html += escape(report.scene_file) + "</title><style>" + kStyle + "</style></head><body><h1>";
-    html += "What accuracy costs: " + escape(report.scene_file) + "</h1>";
-    html += "<h2>Advice</h2><p>" + escape(report.advice) + "</p>";
-    html += "<pre id=\"command\">" + escape(report.advice_command) + "</pre>";
+    html += escape_html(report.scene_file) + "</title><style>" + kStyle + "</style></head><body><h1>";
+    html += "What accuracy costs: " + escape_html(report.scene_file) + "</h1>";
+    html += "<h2>Advice</h2><p>" + escape_html(report.advice) + "</p>";
+    html += "<pre id=\"command\">" + escape_html(report.advice_command) + "</pre>";
     html += "<button id=\"copy\">Copy</button>";
     html += "<h2>Configurations by seconds to " + std::string(target) + " %</h2>";
     html +=

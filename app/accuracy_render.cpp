@@ -21,6 +21,14 @@ double process_cpu_seconds() {
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+// Shares what the scene's renders have in common.
+PreparedView view_of(const AccuracyScene& scene, const RenderSettings& settings, WorkerPool& pool) {
+    PreparedView base;
+    base.given = base.reduced = scene.setup.scene;
+    base.scene = scene.render_scene;
+    return prepare_view(scene.setup.scene, scene.setup.camera, settings, pool, &base);
+}
+
 }  // namespace
 
 Result<AccuracyScene> load_accuracy_scene(const Options& options, WorkerPool& pool) {
@@ -40,7 +48,7 @@ MeasuredRender::MeasuredRender(const AccuracyScene& scene, const RenderSettings&
     : scene_(scene),
       settings_(settings),
       pool_(pool),
-      tier_(smallest_tier(scene.effects.active | settings.forced_on)),
+      view_(view_of(scene, settings, pool)),
       film_(settings.width, settings.height) {
     tracker_.reset(scene.exposure_ev);
 }
@@ -52,8 +60,8 @@ void MeasuredRender::render_unobserved(uint64_t samples) {
     const double cpu_start = process_cpu_seconds();
     std::stop_source stop;
     TileCounts counts;
-    render_pass({*scene_.render_scene, scene_.setup.camera, settings_, tier_, samples}, film_,
-                pool_, stop, {}, counts);
+    render_pass({*view_.scene, view_.camera, settings_, view_.tier, samples}, film_, pool_, stop,
+                {}, counts);
     seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
     cpu_seconds_ += process_cpu_seconds() - cpu_start;
     rays_ += counts.rays;

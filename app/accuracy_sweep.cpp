@@ -6,7 +6,9 @@
 #include <functional>
 
 #include "core/base/log.h"
+#include "core/scene/effects_off.h"
 #include "core/session/bias_ledger.h"
+#include "core/session/effect_ledger.h"
 
 namespace talbot {
 namespace {
@@ -15,6 +17,13 @@ constexpr uint64_t kMostSamples = uint64_t{1} << 30;
 
 Error usage(const std::string& what) {
     return {ErrorKind::usage, "", "--sweep", what};
+}
+
+// Names with commas as words of --effects that force off.
+std::string negated(const std::string& names) {
+    std::string text = names.empty() ? "" : ",-";
+    for (const char c : names) text += c == ',' ? std::string(",-") : std::string(1, c);
+    return text;
 }
 
 // Sets one key of the settings; empty where key and value are known.
@@ -46,6 +55,20 @@ std::string apply(const std::string& key, const std::string& value, SweepConfig&
     if (key == "roulette") return on_off(s.russian_roulette, "--no-roulette");
     if (key == "nee") return on_off(s.next_event_estimation, "--no-nee");
     config.flags = "--" + key + " " + value;
+    if (constexpr std::string_view kPrefix = "effect."; key.starts_with(kPrefix)) {
+        const std::optional<Effect> effect = effect_from_name(key.substr(kPrefix.size()));
+        if (!effect) return "'" + key.substr(kPrefix.size()) + "' is not an effect";
+        const EffectState states[] = {EffectState::automatic, EffectState::on, EffectState::off};
+        const auto* state = std::find_if(std::begin(states), std::end(states), [&](EffectState e) {
+            return effect_state_name(e) == value;
+        });
+        if (state == std::end(states)) return "'" + value + "' is not on, off or auto";
+        set_effect_state(s, *effect, *state);
+        config.may_be_biased = *state == EffectState::off;
+        const std::string off = effect_names(s.forced_off), on = effect_names(s.forced_on);
+        config.flags = "--effects auto" + (on.empty() ? "" : "," + on) + negated(off);
+        return "";
+    }
     if (key == "sampler") {
         for (const SamplerInfo& info : kSamplers) {
             if (info.name != value) continue;
@@ -64,19 +87,14 @@ std::string apply(const std::string& key, const std::string& value, SweepConfig&
         return "'" + value + "' is not a filter";
     }
     if (key == "effects") {
-        if (value == "auto") return "";
-        if (value == "all") {
-            s.forced_on = EffectSet::all();
-            return "";
-        }
-        if (const std::optional<Effect> effect = effect_from_name(value)) {
-            s.forced_on.add(*effect);
-            return "";
-        }
-        return "'" + value + "' is not auto, all or an effect";
+        if (parse_effect_list(value, s.forced_on, s.forced_off))
+            return "'" + value + "' is not auto, all, an effect or -effect";
+        config.may_be_biased = s.forced_off != EffectSet{};
+        return "";
     }
     return "the key '" + key +
-           "' is not known; use max-depth, sampler, filter, roulette, nee, effects or tile-size";
+           "' is not known; use max-depth, sampler, filter, roulette, nee, effects, "
+           "effect.NAME or tile-size";
 }
 
 std::vector<std::string> default_sweeps(const RenderSettings& base) {

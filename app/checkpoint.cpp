@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/log.h"
+#include "core/scene/effects_off.h"
 
 namespace talbot {
 namespace {
@@ -53,6 +54,8 @@ std::string sample_settings(const Scene& scene, const Camera& camera,
     text.whole("filter", static_cast<uint64_t>(settings.filter));
     text.whole("roulette", settings.russian_roulette);
     text.whole("nee", settings.next_event_estimation);
+    if (settings.forced_off != EffectSet{})
+        text.word("effects_off", effect_names(settings.forced_off));
     text.whole("camera.kind", static_cast<uint64_t>(camera.kind));
     text.vector("camera.position", camera.position);
     text.vector("camera.right", camera.right);

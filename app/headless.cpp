@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "app/aov_layers.h"
 #include "app/checkpoint.h"
 #include "app/exit_code.h"
 #include "app/run_record.h"
@@ -14,6 +15,7 @@
 #include "app/viewer.h"
 #include "core/io/film_file.h"
 #include "core/io/image_io.h"
+#include "core/scene/effects_off.h"
 #include "core/session/session.h"
 
 namespace talbot {
@@ -137,25 +139,35 @@ bool wait_for_end(RenderSession& session, uint64_t generation, const Options& op
 }
 
 Metadata metadata_of(const Snapshot& s) {
-    return {{"Software", "Talbot " TALBOT_VERSION},
-            {"Scene", s.scene->file()},
-            {"Samples", std::to_string(s.passes)},
-            {"Seed", std::to_string(s.settings.seed)}};
+    Metadata metadata{{"Software", "Talbot " TALBOT_VERSION},
+                      {"Scene", s.scene->file()},
+                      {"Samples", std::to_string(s.passes)},
+                      {"Seed", std::to_string(s.settings.seed)}};
+    const EffectSet off = s.settings.forced_off & s.effects.active;
+    if (off != EffectSet{}) metadata.push_back({"EffectsForcedOff", effect_names(off)});
+    return metadata;
 }
 
-Status write_image(const std::string& file, const Snapshot& s, const DisplaySettings& display) {
+Status write_image(const std::string& file, const Snapshot& s, const DisplaySettings& display,
+                   const std::vector<ImageLayer>& layers) {
     const std::string extension = extension_of(file);
     const Metadata metadata = metadata_of(s);
-    if (extension == ".exr") return save_exr(file, *s.image, {}, metadata);
+    if (extension == ".exr") return save_exr(file, *s.image, layers, metadata);
     if (extension == ".hdr") return save_hdr(file, *s.image);
     if (extension == ".pfm") return save_pfm(file, *s.image);
     return save_png(file, develop(*s.image, display), metadata);
 }
 
 Status write_files(const Options& options, RenderSession& session, const Snapshot& s,
-                   std::string& film_hash) {
+                   WorkerPool& pool, std::string& film_hash) {
+    std::vector<ImageLayer> layers;
+    if (!options.aovs.empty()) {
+        session.with_film([&](const FilmView& view) {
+            layers = make_aov_layers(options.aovs, s, view, pool);
+        });
+    }
     for (const std::string& output : options.outputs) {
-        if (Status status = write_image(output, s, options.display); !status) return status;
+        if (Status status = write_image(output, s, options.display, layers); !status) return status;
     }
     Status film_status = Done{};
     session.with_film([&](const FilmView& view) {
@@ -223,9 +235,10 @@ bool render(RenderSession& session, const Options& options, const SceneSetup& se
     return interrupted;
 }
 
-int finish(const Options& options, RenderSession& session, RunRecord record) {
+int finish(const Options& options, RenderSession& session, WorkerPool& pool, RunRecord record) {
     const Clock::time_point write_start = Clock::now();
-    if (Status status = write_files(options, session, *record.snapshot, record.film_hash); !status)
+    if (Status status = write_files(options, session, *record.snapshot, pool, record.film_hash);
+        !status)
         return report_error(status.error());
     record.seconds.write = seconds_since(write_start);
     record.seconds.total += record.seconds.write;
@@ -252,6 +265,24 @@ int finish(const Options& options, RenderSession& session, RunRecord record) {
 
 }  // namespace
 
+// Effects that are forced off although the scene has them.
+void warn_of_bias(const std::vector<BiasEntry>& bias) {
+    for (const BiasEntry& entry : bias) {
+        if (!entry.name.starts_with("effects ")) continue;
+        char size[120];
+        if (entry.floor.significant) {
+            std::snprintf(size, sizeof(size),
+                          "is biased: it cannot come nearer than %.3g %% to the true picture "
+                          "(brightness %+.3g %%)",
+                          entry.floor.relrmse_percent, entry.floor.brightness_percent);
+        } else {
+            std::snprintf(size, sizeof(size), "may be biased, by at most %.3g %%",
+                          entry.floor.hi95);
+        }
+        log_warning("--" + entry.name + ": the picture " + size);
+    }
+}
+
 int run_headless(const Options& given, Clock::time_point process_start) {
     catch_signals(leave_at_once);
     if (Status status = check_outputs(given); !status) return report_error(status.error());
@@ -261,14 +292,17 @@ int run_headless(const Options& given, Clock::time_point process_start) {
     const auto pool = std::make_shared<WorkerPool>(options.threads);
     Result<SceneSetup> setup = set_up_scene(options, *pool);
     if (!setup) return report_error(setup.error());
+    setup->file.reset();
     if (*resumed) {
         if (Status status = check_resume(options, **resumed, *setup); !status)
             return report_error(status.error());
     }
 
     RunRecord record;
-    if (!options.report.empty())
+    if (!options.report.empty() || setup->settings.forced_off != EffectSet{}) {
         record.bias = measure_bias(*setup, static_cast<double>(options.display.exposure_ev), *pool);
+        warn_of_bias(record.bias);
+    }
     RenderSession session(policy_of(options, process_start), pool);
     catch_signals(on_signal);
     record.interrupted = render(session, options, *setup, std::move(*resumed));
@@ -282,7 +316,7 @@ int run_headless(const Options& given, Clock::time_point process_start) {
     record.target_error_percent = options.target_error_percent;
     record.seconds = {setup->load_seconds, setup->build_seconds, snapshot->render_seconds, 0,
                       seconds_since(process_start)};
-    return finish(options, session, record);
+    return finish(options, session, *pool, record);
 }
 
 }  // namespace talbot

@@ -72,14 +72,11 @@ ordered_json describe(const SceneSetup& setup) {
 }
 
 // Material variants and animations, which are chosen before loading.
-Status list_choices(const SceneSetup& setup, ordered_json& j) {
-    const Result<GltfChoices> choices = read_gltf_choices(setup.scene->file());
-    if (!choices) return choices.error();
-    j["variants"] = choices->variants;
+void list_choices(const GltfChoices& choices, ordered_json& j) {
+    j["variants"] = choices.variants;
     j["animations"] = ordered_json::array();
-    for (const GltfAnimation& a : choices->animations)
+    for (const GltfAnimation& a : choices.animations)
         j["animations"].push_back({{"name", a.name}, {"seconds", a.seconds}});
-    return Done{};
 }
 
 void print_list(const char* title, const ordered_json& list) {
@@ -148,10 +145,7 @@ int run_info(const Options& options) {
         return exit_code(setup.error());
     }
     ordered_json j = describe(*setup);
-    if (Status listed = list_choices(*setup, j); !listed) {
-        log_error(listed.error().line());
-        return exit_code(listed.error());
-    }
+    list_choices(setup->file->choices(), j);
     if (options.json) {
         std::printf("%s\n", j.dump(2, ' ', false, ordered_json::error_handler_t::replace).c_str());
     } else {

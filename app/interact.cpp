@@ -83,16 +83,13 @@ Status run_interaction(const InteractionOptions& options) {
     policy.threads = viewer.threads;
     InteractionRunner* listener = nullptr;
     RenderSession session(policy);
-    FrameLoopOptions loop_options;
-    loop_options.loader = viewer.loader;
-    loop_options.ui_scale = viewer.ui_scale;
     Result<std::unique_ptr<FrameLoop>> loop =
-        FrameLoop::make(session, **context, initial_model(viewer), loop_options);
+        FrameLoop::make(session, **context, initial_model(viewer), frame_loop_options(viewer));
     if (!loop) return loop.error();
     InteractionRunner runner(session, **context, **loop);
     listener = &runner;
     session.on_snapshot([listener] { listener->wake(); });
-    (*loop)->show(viewer.scene.scene, viewer.scene.camera);
+    (*loop)->show(viewer.scene);
 
     Status outcome = Done{};
     for (const ScriptStep& step : *steps) {

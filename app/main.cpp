@@ -11,7 +11,9 @@
 
 #include "app/accuracy.h"
 #include "app/compare.h"
+#include "app/effects.h"
 #include "app/exit_code.h"
+#include "app/hardcases/command.h"
 #include "app/headless.h"
 #include "app/info.h"
 #include "app/merge.h"
@@ -45,6 +47,7 @@ int run(int argc, char** argv, std::chrono::steady_clock::time_point start) {
     const std::vector<std::string> rest(argv + std::min(argc, 2), argv + argc);
     if (command == "accuracy") return run_accuracy(rest);
     if (command == "compare") return run_compare(rest);
+    if (command == "hardcases") return run_hardcases(rest);
     if (command == "merge") return run_merge(rest);
     const Result<std::optional<Options>> parsed = parse_options(argc, argv);
     if (!parsed) {
@@ -55,6 +58,7 @@ int run(int argc, char** argv, std::chrono::steady_clock::time_point start) {
     const Options& options = **parsed;
     set_log_level(options.log_level);
     if (options.command == Command::info) return run_info(options);
+    if (options.command == Command::effects) return run_effects(options);
     if (options.pixel) return run_replay(options);
     if (!options.interact.empty()) return run_script(options);
     if (options.headless() || !options.screenshot.empty()) return run_headless(options, start);

@@ -1,10 +1,13 @@
 #include "app/options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <limits>
+
+#include "core/scene/effects_off.h"
 
 namespace talbot {
 namespace {
@@ -15,7 +18,7 @@ constexpr uint32_t kMaxSide = 65535;
 
 struct RawOptions {
     std::string size, orbit, tone_map, background = "environment", sampler, filter, pixel,
-                                       effects = "auto", log = "info";
+                                       effects = "auto", log = "info", aovs;
     std::string frames, seed, first_sample, threads, max_depth, tile_size, sample;
     std::optional<double> every;
     double exposure = 0;
@@ -175,39 +178,57 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
                  "follow every path to its end or to --max-depth");
     app.add_flag("--no-nee", raw.no_nee, "no next-event estimation: find lights by chance only");
     app.add_option("--tile-size", raw.tile_size, "pixels a side of a work tile; changes no pixel");
-    app.add_option("--effects", raw.effects, "auto, all, or a list of effects to force on");
+    app.add_option("--effects", raw.effects,
+                   "auto, all, or a list of effects to force on, or with -NAME off");
+    app.add_option("--aov", raw.aovs,
+                   "all, or a list of layers for .exr outputs: " + names_of(kAovs));
     app.add_option("--pixel", raw.pixel,
                    "X,Y: replay one sample of one pixel with a log of its steps");
     app.add_option("--sample", raw.sample, "the sample index that --pixel replays");
     app.add_flag("--strict", o.strict, "fail when any sample was not finite");
-    app.add_flag("--json", o.json, "info: print JSON");
+    app.add_flag("--json", o.json, "info, effects: print JSON");
     app.add_flag("--quiet", raw.quiet, "errors only");
     app.add_option("--log", raw.log, "error, warning, info or debug");
     app.set_version_flag("--version", "talbot " TALBOT_VERSION);
     app.footer(
-        "Commands: talbot info SCENE [--json], talbot compare A B, talbot merge OUT IN...\n"
+        "Commands: talbot info SCENE [--json], talbot effects SCENE [--json], talbot accuracy SCENE, "
+        "talbot hardcases, talbot compare A B, talbot merge OUT IN...\n"
         "Exit codes: 0 done, 1 failed, 2 usage, 3 bad input file, 4 cannot write, 130 "
         "interrupted.");
 }
 
 Status convert_effects(const std::string& text, Options& o) {
-    if (text == "auto") return Done{};
-    if (text == "all") {
-        o.render.forced_on = EffectSet::all();
-        return Done{};
+    if (const std::optional<std::string> word =
+            parse_effect_list(text, o.render.forced_on, o.render.forced_off)) {
+        return usage("--effects", "'" + *word +
+                                      "' is not an effect; use auto, all, or with commas and "
+                                      "with - to take it away " +
+                                      names_of(kEffects));
     }
+    return Done{};
+}
+
+Status convert_aovs(const std::string& text, Options& o) {
+    if (text.empty()) return Done{};
     std::size_t start = 0;
-    while (start <= text.size()) {
+    while (text != "all" && start <= text.size()) {
         const std::size_t comma = std::min(text.find(',', start), text.size());
         const std::string word = text.substr(start, comma - start);
         start = comma + 1;
-        if (word == "auto") continue;
-        const std::optional<Effect> effect = effect_from_name(word);
-        if (!effect)
-            return usage("--effects", "'" + word + "' is not an effect; use auto, all or of " +
-                                          names_of(kEffects));
-        o.render.forced_on.add(*effect);
+        const std::optional<Aov> aov = aov_from_name(word);
+        if (!aov)
+            return usage("--aov", "'" + word + "' is not known; use all or of " + names_of(kAovs));
+        if (std::find(o.aovs.begin(), o.aovs.end(), *aov) == o.aovs.end()) o.aovs.push_back(*aov);
     }
+    for (const AovInfo& info : kAovs) {
+        if (text == "all") o.aovs.push_back(info.aov);
+    }
+    // The image is in the file as R, G and B.
+    std::erase(o.aovs, Aov::beauty);
+    const bool has_exr =
+        std::any_of(o.outputs.begin(), o.outputs.end(),
+                    [](const std::string& file) { return file.ends_with(".exr"); });
+    if (!has_exr) return usage("--aov", "goes into .exr files; name one with --output FILE.exr");
     return Done{};
 }
 
@@ -267,6 +288,7 @@ Status convert(const RawOptions& raw, Options& o) {
         !s)
         return s;
     if (Status s = convert_effects(raw.effects, o); !s) return s;
+    if (Status s = convert_aovs(raw.aovs, o); !s) return s;
     if (raw.background != "environment" && raw.background != "transparent") {
         return usage("--background",
                      "'" + raw.background + "' is not known; use environment or transparent");
@@ -318,6 +340,9 @@ Result<std::optional<Options>> parse_options(int argc, char** argv) {
     int skip = 0;
     if (argc > 1 && std::string(argv[1]) == "info") {
         options.command = Command::info;
+        skip = 1;
+    } else if (argc > 1 && std::string(argv[1]) == "effects") {
+        options.command = Command::effects;
         skip = 1;
     }
     declare(app, options, raw);

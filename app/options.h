@@ -8,13 +8,14 @@
 
 #include "core/base/log.h"
 #include "core/base/result.h"
+#include "core/film/aov.h"
 #include "core/film/tone_map.h"
 #include "core/scene/camera.h"
 #include "core/session/settings.h"
 
 namespace talbot {
 
-enum class Command { render, info };
+enum class Command { render, info, effects };
 
 struct PixelAddress {
     uint32_t x = 0;
@@ -49,7 +50,7 @@ struct Options {
     float environment_rotation = 0;
     RenderSettings render;
     DisplaySettings display;
-    bool all_effects = false;
+    std::vector<Aov> aovs;  // layers of .exr outputs
     std::optional<PixelAddress> pixel;
     uint64_t sample = 0;
     bool strict = false;

@@ -5,6 +5,7 @@
 #include "app/exit_code.h"
 #include "app/scene_setup.h"
 #include "core/integrate/replay.h"
+#include "core/session/prepared_view.h"
 
 namespace talbot {
 
@@ -22,9 +23,10 @@ int run_replay(const Options& options) {
         return kExitUsage;
     }
     enter_worker_float_mode();
-    const RenderScene scene(setup->scene);
-    const CameraRays camera(setup->camera, setup->scene->origin(), settings.width, settings.height);
-    const std::string log = replay_sample(scene, camera, path_settings(settings), options.pixel->x,
+    const PreparedView view = prepare_view(setup->scene, setup->camera, settings, pool);
+    const CameraRays camera(view.camera, setup->scene->origin(), settings.width, settings.height,
+                            setup->scene->geometry().bounds);
+    const std::string log = replay_sample(*view.scene, camera, path_settings(settings), options.pixel->x,
                                           options.pixel->y, options.sample);
     std::fwrite(log.data(), 1, log.size(), stdout);
     return kExitDone;

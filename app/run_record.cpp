@@ -3,23 +3,16 @@
 #include <sys/resource.h>
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "app/machine.h"
+#include "app/outlier_record.h"
 #include "core/geometry/accel.h"
 
 namespace talbot {
 namespace {
 
 using nlohmann::ordered_json;
-
-std::string cpu_name() {
-    std::ifstream info("/proc/cpuinfo");
-    for (std::string line; std::getline(info, line);) {
-        if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
-    }
-    return "unknown";
-}
 
 double cpu_seconds(const rusage& usage) {
     const auto seconds = [](const timeval& t) {
@@ -57,7 +50,19 @@ ordered_json effects_json(const Snapshot& s) {
             inactive.push_back(info.name);
         }
     }
-    return {{"active", active}, {"inactive", inactive}, {"witness", witness}, {"kernel", s.kernel}};
+    const auto names = [](EffectSet set) {
+        ordered_json list = ordered_json::array();
+        for (const EffectInfo& info : kEffects) {
+            if (set.has(info.effect)) list.push_back(info.name);
+        }
+        return list;
+    };
+    return {{"active", active},
+            {"inactive", inactive},
+            {"forced_on", names(s.settings.forced_on)},
+            {"forced_off", names(s.settings.forced_off)},
+            {"witness", witness},
+            {"kernel", s.kernel}};
 }
 
 ordered_json environment_json(const Environment& e) {
@@ -158,6 +163,9 @@ std::string run_record_json(const RunRecord& record) {
     }
     j["bias"] = bias_json(record.bias);
     j["nonfinite"] = nonfinite_json(s.nonfinite);
+    const SampleRecords paths = retrace_notes(s);
+    j["unusable"] = noted_samples_json(s.notes->unusable, paths.unusable, *s.scene);
+    j["outliers"] = noted_samples_json(s.notes->outliers, paths.outliers, *s.scene);
     j["effects"] = effects_json(s);
     j["film_hash"] = record.film_hash;
     const AccelStats& accel = s.scene->accel().stats();
@@ -165,8 +173,11 @@ std::string run_record_json(const RunRecord& record) {
                   {"spheres", accel.spheres},     {"nodes", accel.nodes},
                   {"bytes", accel.bytes},         {"dropped_triangles", accel.dropped_triangles}};
     j["warnings"] = s.scene->warnings();
-    j["machine"] = {
-        {"cpu", cpu_name()}, {"compiler", "g++ " __VERSION__}, {"flags", TALBOT_BUILD_FLAGS}};
+    const Machine machine = this_machine();
+    j["machine"] = {{"cpu", machine.cpu},
+                    {"isa", machine.isa},
+                    {"compiler", machine.compiler},
+                    {"flags", machine.flags}};
     return j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 

@@ -4,7 +4,6 @@
 #include <cstdlib>
 
 #include "core/base/log.h"
-#include "core/io/gltf_loader.h"
 #include "core/io/image_io.h"
 #include "core/math/robust.h"
 #include "ui/data_path.h"
@@ -16,32 +15,6 @@ constexpr Resolution kDefaultSize{960, 540};
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-Result<Camera> choose_camera(const Options& options, const Scene& scene) {
-    if (options.orbit) return make_orbit_camera(*options.orbit);
-    const std::vector<Camera>& cameras = scene.cameras();
-    if (options.camera.empty()) {
-        if (!cameras.empty()) return cameras.front();
-        Vec3d lower(0);
-        Vec3d upper(0);
-        scene.world_bounds(lower, upper);
-        const Resolution size = options.size.value_or(kDefaultSize);
-        return frame_bounds(lower, upper, static_cast<double>(size.width) / size.height);
-    }
-    for (const Camera& camera : cameras) {
-        if (camera.name == options.camera) return camera;
-    }
-    char* end = nullptr;
-    const unsigned long index = std::strtoul(options.camera.c_str(), &end, 10);
-    if (*end == '\0' && index < cameras.size()) return cameras[index];
-    std::string known;
-    for (const Camera& camera : cameras) known += (known.empty() ? "'" : ", '") + camera.name + "'";
-    return Error{ErrorKind::usage, "", "--camera",
-                 "no camera '" + options.camera + "'; the file has " +
-                     (known.empty()
-                          ? std::string("none")
-                          : known + " (or an index below " + std::to_string(cameras.size()) + ")")};
 }
 
 }  // namespace
@@ -77,15 +50,41 @@ Result<Environment> parse_environment(const std::string& text, float rotation_de
     return environment;
 }
 
-Result<SceneSetup> set_up_scene(const Options& options, WorkerPool& pool) {
-    SceneSetup setup;
-    const auto start = std::chrono::steady_clock::now();
+Result<Camera> choose_camera(const Options& options, const Scene& scene) {
+    if (options.orbit) return make_orbit_camera(*options.orbit);
+    const std::vector<Camera>& cameras = scene.cameras();
+    if (options.camera.empty()) {
+        if (!cameras.empty()) return cameras.front();
+        Vec3d lower(0);
+        Vec3d upper(0);
+        scene.world_bounds(lower, upper);
+        const Resolution size = options.size.value_or(kDefaultSize);
+        return frame_bounds(lower, upper, static_cast<double>(size.width) / size.height);
+    }
+    for (const Camera& camera : cameras) {
+        if (camera.name == options.camera) return camera;
+    }
+    char* end = nullptr;
+    const unsigned long index = std::strtoul(options.camera.c_str(), &end, 10);
+    if (*end == '\0' && index < cameras.size()) return cameras[index];
+    std::string known;
+    for (const Camera& camera : cameras) known += (known.empty() ? "'" : ", '") + camera.name + "'";
+    return Error{ErrorKind::usage, "", "--camera",
+                 "no camera '" + options.camera + "'; the file has " +
+                     (known.empty()
+                          ? std::string("none")
+                          : known + " (or an index below " + std::to_string(cameras.size()) + ")")};
+}
+
+Result<SceneDesc> load_scene(const Options& options, std::shared_ptr<GltfFile>* kept) {
     LoadOptions load;
     load.scene = options.scene_name;
     load.variant = options.variant;
     load.animation_time = options.animation_time;
     load.threads = options.threads;
-    Result<SceneDesc> desc = load_gltf(scene_path(options), load);
+    Result<std::shared_ptr<GltfFile>> file = GltfFile::open(scene_path(options), load);
+    if (!file) return file.error();
+    Result<SceneDesc> desc = (*file)->read(load);
     if (!desc) return desc.error();
     for (const std::string& warning : desc->warnings) log_warning(warning);
     if (!options.environment.empty()) {
@@ -96,6 +95,15 @@ Result<SceneSetup> set_up_scene(const Options& options, WorkerPool& pool) {
     } else {
         desc->environment.rotation_degrees = options.environment_rotation;
     }
+    if (kept) *kept = std::move(*file);
+    return desc;
+}
+
+Result<SceneSetup> set_up_scene(const Options& options, WorkerPool& pool) {
+    SceneSetup setup;
+    const auto start = std::chrono::steady_clock::now();
+    Result<SceneDesc> desc = load_scene(options, &setup.file);
+    if (!desc) return desc.error();
     setup.load_seconds = seconds_since(start);
     const auto build_start = std::chrono::steady_clock::now();
     setup.scene = Scene::build(std::move(*desc), pool);

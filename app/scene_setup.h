@@ -7,11 +7,13 @@
 #include "app/options.h"
 #include "core/base/result.h"
 #include "core/base/worker_pool.h"
+#include "core/io/gltf_loader.h"
 #include "core/scene/scene.h"
 
 namespace talbot {
 
 struct SceneSetup {
+    std::shared_ptr<GltfFile> file;  // for reading it again; holds its bytes
     std::shared_ptr<const Scene> scene;
     Camera camera;
     RenderSettings settings;
@@ -21,6 +23,13 @@ struct SceneSetup {
 
 // The scene file that is meant: the argument, or the built-in default.
 std::filesystem::path scene_path(const Options& options);
+
+// Loads the file and applies --environment, without building anything. Reports warnings of the file
+// to the log. `kept`, where given, gets the open file, for reading it again.
+Result<SceneDesc> load_scene(const Options& options, std::shared_ptr<GltfFile>* kept = nullptr);
+
+// --camera and --orbit, or the file's first camera, or one that frames everything.
+Result<Camera> choose_camera(const Options& options, const Scene& scene);
 
 // Loads, builds, applies --environment, --camera, --orbit, --size. Reports warnings of the file to
 // the log.

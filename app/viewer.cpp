@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/io/image_io.h"
-#include "ui/frame_loop.h"
 #include "ui/style.h"
 #include "ui/window.h"
 
@@ -42,10 +41,18 @@ PixelSize window_for_image(uint32_t width, uint32_t height, float ui_scale) {
 ViewerModel initial_model(const ViewerOptions& options) {
     ViewerModel model;
     model.settings = options.settings;
+    model.rival = options.settings;
     model.display = options.display;
     model.look.fit_window = !options.fixed_size;
     model.pass_limit = options.pass_limit;
     return model;
+}
+
+FrameLoopOptions frame_loop_options(const ViewerOptions& options) {
+    FrameLoopOptions loop;
+    loop.loader = options.loader;
+    loop.ui_scale = options.ui_scale;
+    return loop;
 }
 
 Status run_viewer(const ViewerOptions& options) {
@@ -55,15 +62,12 @@ Status run_viewer(const ViewerOptions& options) {
 
     RenderSession session(viewer_policy(options.threads));
     session.on_snapshot([] { Window::wake(); });
-    FrameLoopOptions loop_options;
-    loop_options.loader = options.loader;
-    loop_options.ui_scale = options.ui_scale;
     Result<std::unique_ptr<FrameLoop>> made =
-        FrameLoop::make(session, window, initial_model(options), loop_options);
+        FrameLoop::make(session, window, initial_model(options), frame_loop_options(options));
     if (!made) return made.error();
     FrameLoop& loop = **made;
     if (options.scene.scene) {
-        loop.show(options.scene.scene, options.scene.camera);
+        loop.show(options.scene);
     } else {
         loop.open_file(options.file.string());
     }
@@ -115,7 +119,7 @@ Status save_window_screenshot(RenderSession& session, const ScreenshotOptions& o
 
     ViewerModel model;
     Edits ignored;
-    show_scene(model, snapshot->scene, snapshot->camera, ignored);
+    show_scene(model, {snapshot->scene, snapshot->camera, nullptr, {}}, ignored);
     model.settings = snapshot->settings;
     model.display = options.display;
     model.look.fit_window = false;

@@ -6,6 +6,7 @@
 
 #include "core/base/result.h"
 #include "core/session/session.h"
+#include "ui/frame_loop.h"
 #include "ui/gl_context.h"
 #include "ui/scene_loading.h"
 #include "ui/viewer_model.h"
@@ -24,6 +25,9 @@ struct ViewerOptions {
     PixelSize window;    // 0 = chosen from the image's size, or 1600 x 900
     float ui_scale = 0;  // 0 = the screen's
 };
+
+// How the frame loop of this viewer loads and measures.
+FrameLoopOptions frame_loop_options(const ViewerOptions& options);
 
 // Runs until the user quits.
 Status run_viewer(const ViewerOptions& options);

@@ -1,5 +1,8 @@
 #include "app/window.h"
 
+#include <algorithm>
+#include <cstdlib>
+
 #include "app/exit_code.h"
 #include "app/interact.h"
 #include "app/scene_setup.h"
@@ -8,14 +11,38 @@
 namespace talbot {
 namespace {
 
+// What --scene, --variant and --animation-time, which were found in the file, name there.
+SceneChoice choice_of(const Options& options, const GltfFile& file) {
+    const GltfChoices& choices = file.choices();
+    const auto index_of = [](const std::vector<std::string>& names, const std::string& name) {
+        return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) -
+                                        names.begin());
+    };
+    SceneChoice choice;
+    choice.scene = choices.default_scene;
+    if (!options.scene_name.empty()) {
+        choice.scene = index_of(choices.scenes, options.scene_name);
+        if (choice.scene == choices.scenes.size())
+            choice.scene = std::strtoul(options.scene_name.c_str(), nullptr, 10);
+    }
+    if (!options.variant.empty()) choice.variant = index_of(choices.variants, options.variant);
+    choice.seconds = options.animation_time;
+    return choice;
+}
+
 // Loads what the options ask for, on workers that end before the viewer's own start. The image
 // follows the window unless --size was given.
 Result<ViewerOptions> load_viewer(const Options& options) {
     WorkerPool pool(options.threads);
-    const Result<SceneSetup> setup = set_up_scene(options, pool);
+    Result<SceneSetup> setup = set_up_scene(options, pool);
     if (!setup) return setup.error();
+    const Scene& scene = *setup->scene;
+    const bool dark =
+        !has_light(scene.punctual_lights(), scene.environment(), scene.materials());
+    if (dark && options.environment.empty())
+        setup->scene = scene.with_environment(default_environment());
     ViewerOptions viewer;
-    viewer.scene = {setup->scene, setup->camera};
+    viewer.scene = {setup->scene, setup->camera, setup->file, choice_of(options, *setup->file)};
     viewer.file = scene_path(options);
     viewer.settings = setup->settings;
     viewer.fixed_size = options.size.has_value();

@@ -1,8 +1,8 @@
 #version 330 core
 // From scene-linear radiance to the screen: channel, exposure, tone curve, sRGB, checkerboard, outline of the selection.
 // The tone curves are the twin of core/film/tone_map.cpp; the numbers of tone maps and channels are its enumerators.
-// Compiled for each look with HAS_ALPHA, HAS_OUTLINE, FALSE_COLOR (0 or 1), TONE_MAP and CHANNEL, for software rasterisers
-// pay for both sides of every branch.
+// Compiled for each look with HAS_ALPHA, HAS_OUTLINE, FALSE_COLOR (0 or 1), TONE_MAP, CHANNEL and LOOK, for software
+// rasterisers pay for both sides of every branch. LOOK is an enumerator of AovLook in core/film/aov.h.
 in vec2 image_uv;
 out vec4 fragment;
 
@@ -13,6 +13,8 @@ uniform float exposure_ev;
 uniform uint selected_object;
 uniform vec2 outline_uv;        // thickness of the outline in image_uv
 uniform float checker_px;
+uniform vec3 range_lower;       // of the values, for looks that are relative
+uniform vec3 range_upper;
 
 const float kLargestExposed = 1048576.0;
 
@@ -103,6 +105,41 @@ vec3 false_color_of(vec3 exposed) {
     return color * (mod(ev, 2.0) < 1.0 ? 1.0 : 0.86);
 }
 
+// From dark blue over green to yellow, evenly brighter; display-encoded. The twin of ui/false_color.h.
+vec3 scale_color(float t) {
+    const vec3 c0 = vec3(0.2777273, 0.0054073, 0.3340998);
+    const vec3 c1 = vec3(0.1050930, 1.4046135, 1.3845902);
+    const vec3 c2 = vec3(-0.3308618, 0.2148476, 0.0950952);
+    const vec3 c3 = vec3(-4.6342305, -5.7991010, -19.3324410);
+    const vec3 c4 = vec3(6.2282699, 14.1799334, 56.6905526);
+    const vec3 c5 = vec3(4.7763850, -13.7451454, -65.3530326);
+    const vec3 c6 = vec3(-5.4354559, 4.6458526, 26.3124352);
+    return clamp(c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * (c5 + t * c6))))), 0.0, 1.0);
+}
+
+// A colour of its own for every number.
+vec3 id_color(float id) {
+    if (id < 0.0) return vec3(0.05);
+    float hue = fract(id * 0.61803399) * 6.0;
+    vec3 color = clamp(vec3(abs(hue - 3.0) - 1.0, 2.0 - abs(hue - 2.0), 2.0 - abs(hue - 4.0)), 0.0, 1.0);
+    return mix(vec3(0.25 + 0.5 * fract(id * 0.7548777)), color, 0.65);
+}
+
+// Values that are no light; display-encoded.
+vec3 look_at_value(vec3 value) {
+    if (!is_finite(value)) return vec3(0.0);
+    if (LOOK == 1) {
+        vec3 c = clamp(value, 0.0, 1.0);
+        return vec3(srgb_from_linear(c.x), srgb_from_linear(c.y), srgb_from_linear(c.z));
+    }
+    if (LOOK == 2) return 0.5 + 0.5 * value;
+    if (LOOK == 4) return id_color(floor(value.x + 0.5));
+    vec3 span = max(range_upper - range_lower, vec3(1e-30));
+    vec3 t = clamp((value - range_lower) / span, 0.0, 1.0);
+    if (LOOK == 5) return scale_color(t.x);
+    return t;
+}
+
 vec3 checkerboard() {
     vec2 cell = floor(gl_FragCoord.xy / checker_px);
     return mod(cell.x + cell.y, 2.0) < 1.0 ? vec3(0.32) : vec3(0.42);
@@ -129,7 +166,14 @@ bool is_on_outline(vec2 uv) {
 void main() {
     float alpha = HAS_ALPHA != 0 ? texture(coverage, image_uv).r : 1.0;
     vec3 encoded;
-    if (CHANNEL == 4) {
+    if (LOOK != 0) {
+        vec3 value = texture(image, image_uv).rgb;
+        if (LOOK == 4) {
+            ivec2 extent = textureSize(image, 0);
+            value = texelFetch(image, clamp(ivec2(floor(image_uv * vec2(extent))), ivec2(0), extent - 1), 0).rgb;
+        }
+        encoded = look_at_value(value);
+    } else if (CHANNEL == 4) {
         encoded = vec3(clamp(alpha, 0.0, 1.0));
     } else {
         vec3 exposed = texture(image, image_uv).rgb * exp2(exposure_ev);

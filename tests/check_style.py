@@ -28,7 +28,7 @@ TOLERANCE = re.compile(r"(?<![0-9a-zA-Z_.])(1e-[3-9]f?|0\.000[0-9]{0,2}f?)\b")
 def main():
     root = pathlib.Path(sys.argv[1])
     breaches = []
-    for file in sorted(p for folder in ("app", "core", "ui", "bench", "tests") for p in (root / folder).rglob("*.[hc]*")):
+    for file in sorted(p for folder in ("app", "core", "ui", "bench", "oracles", "tests") for p in (root / folder).rglob("*.[hc]*")):
         if file.suffix not in (".h", ".cpp"):
             continue
         name = file.relative_to(root).as_posix()

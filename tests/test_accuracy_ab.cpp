@@ -7,7 +7,7 @@
 
 #include "core/math/sample_bits.h"
 #include "core/session/ab_comparison.h"
-#include "tests/scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot {
 namespace {

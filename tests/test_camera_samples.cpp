@@ -3,8 +3,8 @@
 
 #include "core/integrate/pixel_filter.h"
 #include "core/scene/camera.h"
-#include "tests/stats/chi2.h"
-#include "tests/stats/random.h"
+#include "oracles/stats/chi2.h"
+#include "oracles/stats/random.h"
 
 namespace talbot {
 namespace {

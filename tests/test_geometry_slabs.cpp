@@ -6,78 +6,11 @@
 #include <cmath>
 #include <vector>
 
-#include "core/geometry/local_ray.h"
+#include "app/hardcases/cases/exact_oracles.h"
 #include "geometry_scenes.h"
 
 namespace talbot::test {
 namespace {
-
-__extension__ typedef __float128 Quad;
-
-// Whether [0, inf) along the ray meets the closed box, without rounding that could matter.
-bool exact_box(const Ray& ray, const Bounds& box) {
-    Quad enter = 0;
-    Quad leave = 1e30;
-    for (int i = 0; i < 3; ++i) {
-        const Quad lower = static_cast<Quad>(box.lower[i]) - ray.o[i];
-        const Quad upper = static_cast<Quad>(box.upper[i]) - ray.o[i];
-        if (ray.d[i] == 0) {
-            if (lower > 0 || upper < 0) return false;
-            continue;
-        }
-        const Quad a = lower / ray.d[i];
-        const Quad b = upper / ray.d[i];
-        enter = std::max(enter, std::min(a, b));
-        leave = std::min(leave, std::max(a, b));
-    }
-    return enter <= leave;
-}
-
-// The kernels' box test, one box, with one or two roundings per plane.
-bool own_box(const Ray& ray, const Bounds& box, bool fused) {
-    LocalRay local;
-    if (!to_world_kernel(ray, local)) return false;
-    const SlabRay slabs = make_slab_ray(local.sheared, box);
-    const auto plane_t = [&](float p, float r, float c) {
-        return fused ? std::fma(p, r, -c) : p * r - c;
-    };
-    float enter = 0;
-    float leave = ray.t_max / local.t_scale * kSlabFarFactor;
-    for (int i = 0; i < 3; ++i) {
-        const bool negative = std::signbit(local.sheared.d[i]);
-        const float near_p = negative ? box.upper[i] : box.lower[i];
-        const float far_p = negative ? box.lower[i] : box.upper[i];
-        enter = std::max(enter, plane_t(near_p, slabs.reciprocal[i], slabs.near_offset[i]));
-        leave = std::min(leave, plane_t(far_p, slabs.far_reciprocal[i], slabs.far_offset[i]));
-    }
-    return enter <= leave;
-}
-
-bool textbook_box(const Ray& ray, const Bounds& box) {
-    float enter = 0;
-    float leave = kInfinity;
-    for (int i = 0; i < 3; ++i) {
-        const float r = 1 / ray.d[i];
-        float a = (box.lower[i] - ray.o[i]) * r;
-        float b = (box.upper[i] - ray.o[i]) * r;
-        if (r < 0) std::swap(a, b);
-        enter = a > enter ? a : enter;
-        leave = b < leave ? b : leave;
-        if (!(enter <= leave) || a != a || b != b) return false;
-    }
-    return true;
-}
-
-Bounds random_box(Rng& rng, bool may_be_flat) {
-    Bounds box;
-    box.lower = rng.in_box(-2, 2);
-    box.upper = box.lower + rng.in_box(0, 1);
-    if (may_be_flat && rng.below(3) == 0) {
-        const int axis = rng.between(0, 2);
-        box.upper[axis] = box.lower[axis];
-    }
-    return box;
-}
 
 struct Rejections {
     uint64_t fused = 0;

@@ -3,64 +3,12 @@
 
 #include <cmath>
 
+#include "app/hardcases/cases/exact_oracles.h"
 #include "core/geometry/sphere.h"
 #include "geometry_scenes.h"
 
 namespace talbot::test {
 namespace {
-
-__extension__ typedef __float128 Quad;
-
-Quad square_root(Quad x) {
-    if (!(x > 0)) return 0;
-    Quad r = std::sqrt(static_cast<long double>(x));
-    for (int i = 0; i < 3; ++i) r = (r + x / r) / 2;
-    return r;
-}
-
-// Both crossings, and how far the line stays from the limb (positive inside), in length units.
-struct Reference {
-    bool hit = false;
-    double t[2] = {0, 0};
-    double inside = 0;
-};
-
-Reference reference(const Ray& ray, const Vec3d& center, double radius) {
-    Quad a = 0;
-    Quad b = 0;
-    Quad f2 = 0;
-    for (int i = 0; i < 3; ++i) {
-        const Quad d = ray.d[i];
-        const Quad f = static_cast<Quad>(ray.o[i]) - static_cast<Quad>(center[i]);
-        a += d * d;
-        b -= f * d;
-        f2 += f * f;
-    }
-    const Quad r = radius;
-    const Quad distance2 = f2 - b * b / a;
-    Reference result;
-    result.inside = static_cast<double>(r - square_root(distance2));
-    const Quad discriminant = r * r - distance2;
-    if (discriminant < 0) return result;
-    const Quad root = square_root(discriminant * a);
-    result.hit = true;
-    result.t[0] = static_cast<double>((b - root) / a);
-    result.t[1] = static_cast<double>((b + root) / a);
-    return result;
-}
-
-// The textbook float quadratic, as the control.
-bool naive_roots(const Ray& ray, const Vec3f& center, float radius, float (&t)[2]) {
-    const Vec3f f = ray.o - center;
-    const float a = dot(ray.d, ray.d);
-    const float b = 2 * dot(f, ray.d);
-    const float c = dot(f, f) - radius * radius;
-    const float discriminant = b * b - 4 * a * c;
-    if (discriminant < 0) return false;
-    t[0] = (-b - std::sqrt(discriminant)) / (2 * a);
-    t[1] = (-b + std::sqrt(discriminant)) / (2 * a);
-    return true;
-}
 
 TEST(Spheres, GroundSphereFromJustAbove) {
     Rng rng(1);
@@ -77,7 +25,7 @@ TEST(Spheres, GroundSphereFromJustAbove) {
         const float angle = rng.uniform(1, 90) * kPi / 180;
         ray.d = Vec3f(std::cos(angle) * std::cos(phi), -std::sin(angle),
                       std::cos(angle) * std::sin(phi));
-        const Reference expected = reference(ray, center, radius);
+        const ExactSphere expected = exact_sphere(ray, center, radius);
         double t0 = 0;
         double t1 = 0;
         const bool found = sphere_roots(Vec3d(ray.o), Vec3d(ray.d), center, radius, t0, t1);
@@ -87,7 +35,7 @@ TEST(Spheres, GroundSphereFromJustAbove) {
                  (found && !(std::abs(static_cast<float>(t0) - expected.t[0]) <= gate));
         float naive[2] = {0, 0};
         control_wrong +=
-            naive_roots(ray, Vec3f(center), static_cast<float>(radius), naive) != expected.hit ||
+            naive_sphere(ray, Vec3f(center), static_cast<float>(radius), naive) != expected.hit ||
             !(std::abs(naive[0] - expected.t[0]) <= gate);
     }
     EXPECT_GT(hits, 150000u);
@@ -111,7 +59,7 @@ TEST(Spheres, DistantSphere) {
         const Vec3f side = normalize(cross(out, rng.direction()));
         const float r = 1.2f * radius * std::sqrt(rng.uniform());
         ray.d = Vec3f(center) + r * side - ray.o;
-        const Reference expected = reference(ray, center, radius);
+        const ExactSphere expected = exact_sphere(ray, center, radius);
         double t0 = 0;
         double t1 = 0;
         const bool found = sphere_roots(Vec3d(ray.o), Vec3d(ray.d), center, radius, t0, t1);
@@ -123,7 +71,7 @@ TEST(Spheres, DistantSphere) {
                 !(std::abs(static_cast<float>(t1) - expected.t[1]) <= 2 * 0x1p-24 * expected.t[1]);
         }
         float naive[2] = {0, 0};
-        control_wrong += naive_roots(ray, Vec3f(center), radius, naive) != expected.hit;
+        control_wrong += naive_sphere(ray, Vec3f(center), radius, naive) != expected.hit;
     }
     EXPECT_EQ(wrong_hit, 0u);
     EXPECT_EQ(wrong_t, 0u);
@@ -168,7 +116,7 @@ TEST(Spheres, SpawnedRaysNeverMeetTheSurfaceAtTheirOrigin) {
             wrong_inside += !(std::abs(t[0] - chord) <= slack);
         }
         float naive[2] = {0, 0};
-        if (side > 0 && naive_roots(ray, Vec3f(center), static_cast<float>(radius), naive)) {
+        if (side > 0 && naive_sphere(ray, Vec3f(center), static_cast<float>(radius), naive)) {
             control_hits += naive[0] > 0 || naive[1] > 0;
         }
     }

@@ -6,55 +6,12 @@
 #include <array>
 #include <cmath>
 
+#include "app/hardcases/cases/exact_oracles.h"
 #include "core/geometry/triangle.h"
 #include "geometry_scenes.h"
 
 namespace talbot::test {
 namespace {
-
-__extension__ typedef __int128 Wide;
-__extension__ typedef __float128 Quad;
-
-template <class T>
-struct Triple {
-    T x, y, z;
-};
-
-template <class T>
-Triple<T> minus(const Vec3f& a, const Vec3f& b) {
-    return {static_cast<T>(a.x) - static_cast<T>(b.x), static_cast<T>(a.y) - static_cast<T>(b.y),
-            static_cast<T>(a.z) - static_cast<T>(b.z)};
-}
-template <class T>
-T triple_product(const Triple<T>& d, const Triple<T>& p, const Triple<T>& q) {
-    return d.x * (p.y * q.z - p.z * q.y) + d.y * (p.z * q.x - p.x * q.z) +
-           d.z * (p.x * q.y - p.y * q.x);
-}
-
-// Whether the line through o along d meets the closed triangle, and where; exact for integer
-// coordinates up to 2^20 with T = Wide. Lines in the triangle's plane do not count.
-template <class T>
-bool reference(const Ray& ray, const std::array<Vec3f, 3>& tri, T& numerator, T& denominator) {
-    const Triple<T> d = minus<T>(ray.d, Vec3f(0));
-    const Triple<T> a = minus<T>(tri[0], ray.o);
-    const Triple<T> b = minus<T>(tri[1], ray.o);
-    const Triple<T> c = minus<T>(tri[2], ray.o);
-    const T u = triple_product(d, c, b);
-    const T v = triple_product(d, a, c);
-    const T w = triple_product(d, b, a);
-    if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
-    denominator = u + v + w;
-    if (denominator == 0) return false;
-    // t = a . (b x c) / ((u + v + w) of the same orientation).
-    numerator = triple_product(a, c, b);
-    return true;
-}
-
-bool intersect(const Ray& ray, const std::array<Vec3f, 3>& tri, TriangleHit& hit) {
-    return is_hittable(tri[0], tri[1], tri[2]) &&
-           intersect_triangle(shear(ray.o, ray.d), tri[0], tri[1], tri[2],
-                              triangle_extent(tri[0], tri[1], tri[2]), hit);
-}
 
 Vec3f integer_point(Rng& rng, int size) {
     const int x = rng.between(-size, size);
@@ -91,9 +48,9 @@ Mismatches integer_mismatches(int size, uint64_t rays) {
         if (ray.d == Vec3f(0)) continue;
         Wide numerator = 0;
         Wide denominator = 0;
-        const bool expect = reference<Wide>(ray, tri, numerator, denominator);
+        const bool expect = exact_triangle<Wide>(ray, tri, numerator, denominator);
         TriangleHit hit{};
-        const bool found = intersect(ray, tri, hit);
+        const bool found = own_triangle(ray, tri, hit);
         counts.own += found != expect;
         counts.hits += expect;
         const bool ahead = expect && (numerator > 0) == (denominator > 0) && numerator != 0;
@@ -158,9 +115,9 @@ TEST(Triangle, NeedlesUnderGrazingRays) {
         if (ray.d == Vec3f(0)) continue;
         Quad numerator = 0;
         Quad denominator = 0;
-        const bool expect = reference<Quad>(ray, tri, numerator, denominator);
+        const bool expect = exact_triangle<Quad>(ray, tri, numerator, denominator);
         TriangleHit hit{};
-        const bool found = intersect(ray, tri, hit);
+        const bool found = own_triangle(ray, tri, hit);
         wrong_set += found != expect;
         if (!found || !expect) continue;
         ++hits;
@@ -196,13 +153,13 @@ TEST(Triangle, PowerOfTwoScalingChangesNoBit) {
         ray.o = rng.in_box(-2, 2);
         ray.d = tri[0] + rng.uniform() * (tri[1] - tri[0]) - ray.o;
         TriangleHit hit{};
-        const bool found = intersect(ray, tri, hit);
+        const bool found = own_triangle(ray, tri, hit);
         const float scale = std::ldexp(1.0f, rng.between(-20, 20));
         for (Vec3f& p : tri) p *= scale;
         ray.o *= scale;
         ray.d *= scale;
         TriangleHit scaled{};
-        ASSERT_EQ(intersect(ray, tri, scaled), found);
+        ASSERT_EQ(own_triangle(ray, tri, scaled), found);
         if (found) {
             ASSERT_TRUE(same_bits(hit.t, scaled.t) && same_bits(hit.u, scaled.u) &&
                         same_bits(hit.v, scaled.v));

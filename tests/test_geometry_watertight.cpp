@@ -11,19 +11,6 @@
 namespace talbot::test {
 namespace {
 
-// A fan of n triangles around vertex 0, its rim stretched along x.
-MeshData fan(uint32_t n, float stretch, const Vec3f& at, Rng& rng) {
-    MeshData mesh;
-    mesh.add_vertex(at + rng.in_box(-0.1f, 0.1f));
-    for (uint32_t i = 0; i < n; ++i) {
-        const float a =
-            2 * kPi * (static_cast<float>(i) + rng.uniform(0, 0.5f)) / static_cast<float>(n);
-        mesh.add_vertex(at + Vec3f(stretch * std::cos(a), std::sin(a), rng.uniform(-0.3f, 0.3f)));
-    }
-    for (uint32_t i = 0; i < n; ++i) mesh.add_triangle(0, 1 + i, 1 + (i + 1) % n);
-    return mesh;
-}
-
 bool control_hits(const MeshData& mesh, const Ray& ray) {
     for (size_t i = 0; i < mesh.triangles(); ++i) {
         if (moeller_trumbore(ray, mesh.triangle(i))) return true;
@@ -39,7 +26,7 @@ struct Misses {
 Misses fan_misses(float stretch, const Vec3f& at, uint64_t rays_per_fan, Rng& rng) {
     Misses misses;
     for (uint32_t n = 3; n <= 64; ++n) {
-        const MeshData mesh = fan(n, stretch, at, rng);
+        const MeshData mesh = triangle_fan(n, stretch, at, rng);
         const auto accel = build(scene_of(mesh), BuildQuality::high, 1);
         for (uint64_t i = 0; i < rays_per_fan; ++i) {
             Ray ray;
@@ -74,26 +61,6 @@ uint64_t leaks(const MeshData& mesh, const Accel& accel, const Vec3f& inside, fl
         misses += !accel.closest(ray, hit) || !accel.occluded(ray);
     }
     return misses;
-}
-
-// Surface of a cube of n^3 unit cells, its faces cut into unit squares.
-MeshData grid_cube(int n) {
-    MeshData mesh;
-    for (int face = 0; face < 6; ++face) {
-        const int axis = face / 2;
-        for (int i = 0; i < n; ++i) {
-            for (int j = 0; j < n; ++j) {
-                Vec3f corner[4];
-                for (int k = 0; k < 4; ++k) {
-                    corner[k][axis] = face % 2 != 0 ? static_cast<float>(n) : 0.0f;
-                    corner[k][(axis + 1) % 3] = static_cast<float>(i + (k == 1 || k == 2));
-                    corner[k][(axis + 2) % 3] = static_cast<float>(j + (k >= 2));
-                }
-                mesh.add_quad(corner[0], corner[1], corner[2], corner[3]);
-            }
-        }
-    }
-    return mesh;
 }
 
 uint64_t grid_leaks(const Vec3f& offset, uint64_t rays, Rng& rng) {

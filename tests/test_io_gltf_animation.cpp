@@ -365,9 +365,9 @@ TEST(Variants, ByNameAndListed) {
     ASSERT_FALSE(refused.ok());
     EXPECT_EQ(refused.error().kind, ErrorKind::usage);
     EXPECT_NE(refused.error().what.find("'day', 'night'"), std::string::npos);
-    const auto choices = read_gltf_choices(b.folder() / "scene.gltf");
-    ASSERT_TRUE(choices.ok());
-    EXPECT_EQ(choices->variants, (std::vector<std::string>{"day", "night", "dusk", "noon"}));
+    const auto file = GltfFile::open(b.folder() / "scene.gltf");
+    ASSERT_TRUE(file.ok());
+    EXPECT_EQ((*file)->choices().variants, (std::vector<std::string>{"day", "night", "dusk", "noon"}));
     primitive["extensions"]["KHR_materials_variants"]["mappings"][0]["material"] = 3;
     const auto range = b.load();
     ASSERT_FALSE(range.ok());

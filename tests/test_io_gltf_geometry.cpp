@@ -293,7 +293,7 @@ TEST(Repair, TrianglesWithNonFiniteVerticesAreDropped) {
     EXPECT_EQ(scene.meshes[0].positions.size(), 3u);
     ASSERT_EQ(scene.warnings.size(), 1u);
     EXPECT_TRUE(
-        has_warning(scene, "meshes[0].primitives[0]: positions that are not finite: 2 triangles"));
+        has_warning(scene, "meshes[0].primitives[0]: positions that are not finite or out of range: 2 triangles"));
 }
 
 TEST(Repair, AllTrianglesNonFiniteLeavesNothing) {

@@ -5,7 +5,7 @@
 #include "core/scene/effects.h"
 #include "core/scene/scene.h"
 #include "io_gltf_builder.h"
-#include "scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot {
 namespace {

@@ -302,6 +302,23 @@ TEST(Lookup, WrapModes) {
     EXPECT_NEAR(red(TextureWrap::mirrored_repeat, 1), 1, 1e-6);
 }
 
+TEST(Lookup, AnEvenTextureIsExactlyEven) {
+    auto image = std::make_shared<Image8>();
+    image->width = 5;
+    image->height = 3;
+    image->rgba.assign(5 * 3 * 4, 188);
+    const Texture t{image};
+    const float even = eval_texture(t, Vec2f(0.1f, 0.5f), TextureEncoding::srgb).x;
+    int blended = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const Vec2f uv(0.00137f * static_cast<float>(i), -0.00071f * static_cast<float>(i));
+        EXPECT_EQ(eval_texture(t, uv, TextureEncoding::srgb).x, even);
+        const float w = uv.x - std::floor(uv.x);
+        if (even * (1 - w) + even * w != even) ++blended;
+    }
+    EXPECT_GT(blended, 100) << "control: weights alone";
+}
+
 TEST(Lookup, Nearest) {
     const Texture t = checker(TextureWrap::repeat, TextureFilter::nearest);
     EXPECT_NEAR(eval_texture(t, Vec2f(0.26f, 0), TextureEncoding::linear).x, 1 / 3.0, 1e-6);

@@ -4,7 +4,7 @@
 
 #include "core/lights/light_tree.h"
 #include "core/math/warp.h"
-#include "tests/stats/random.h"
+#include "oracles/stats/random.h"
 
 namespace talbot {
 namespace {

@@ -7,10 +7,10 @@
 #include "core/lights/spherical_triangle.h"
 #include "core/lights/surface_light.h"
 #include "core/math/robust.h"
-#include "tests/scene_builder.h"
-#include "tests/stats/chi2.h"
-#include "tests/stats/random.h"
-#include "tests/stats/ztest.h"
+#include "oracles/scene_builder.h"
+#include "oracles/stats/chi2.h"
+#include "oracles/stats/random.h"
+#include "oracles/stats/ztest.h"
 
 namespace talbot {
 namespace {
@@ -172,6 +172,60 @@ TEST(LightSampling, SpheresFollowTheirDensity) {
         EXPECT_GT(stats::chi2_test(observed, expected).p, significance) << radius;
         EXPECT_LT(stats::chi2_test(observed, with_fault(expected)).p, 1e-9) << radius;
     }
+}
+
+// The density of a sphere is that of its exact radius, which a float cannot always say: seen from a
+// breath above it the cone's cosine is as sensitive as can be.
+TEST(LightSampling, ASphereIsSeenByItsExactRadius) {
+    SceneBuilder builder;
+    builder.sphere(Vec3d(0), 0.1, builder.material(lamp()));
+    const auto scene = builder.build(workers());
+    const LightTable table(*scene);
+    const Vec3f p(0, 0, 0.1f + 0x1p-27f);
+    const double sine = 0.1 / p.z;
+    const double omega = 2 * std::numbers::pi * (1 - std::sqrt(1 - sine * sine));
+    EXPECT_NEAR(pdf_sphere_light(table.lights()[0], p) * omega, 1, 1e-6);
+    const double rounded = double{0.1f} / p.z;
+    const double control = 2 * std::numbers::pi * (1 - std::sqrt(1 - rounded * rounded));
+    EXPECT_GT(std::abs(control / omega - 1), 1e-5) << "control: the radius as a float";
+}
+
+// Irradiance below the middle of a strip: by area hardly a sample of hundreds falls near the point.
+TEST(LightSampling, ASlenderLampIsSampledWhereItIsNear) {
+    SceneBuilder builder;
+    builder.mesh(SceneBuilder::quad(Vec3f(-5000, -0.5f, 0), Vec3f(10000, 0, 0), Vec3f(0, 1, 0)),
+                 builder.material(lamp()));
+    const auto scene = builder.build(workers());
+    const LightTable table(*scene);
+    const Vec3f p(Vec3d(70, 0, 0.5) - scene->origin());
+    double sum = 0;
+    constexpr int kSide = 64;
+    for (int i = 0; i < kSide * kSide; ++i) {
+        const Vec2f u((static_cast<float>(i % kSide) + 0.5f) / kSide,
+                      (static_cast<float>(i / kSide) + 0.5f) / kSide);
+        for (const Light& light : table.lights()) {
+            if (const auto s = sample_triangle_light(*scene, light, p, u))
+                sum += std::max(0.0f, -s->wi.z) / s->pdf / (kSide * kSide);
+        }
+    }
+    // An endless strip of half-width 1/2 seen from height 1/2: pi sin(45 degrees).
+    EXPECT_NEAR(sum / (std::numbers::pi * std::sqrt(0.5)), 1, 2e-3);
+}
+
+// A spot of a millionth of a radian falls off smoothly inside its cone.
+TEST(LightSampling, NarrowSpotsKeepTheirDigits) {
+    PunctualLight spot;
+    spot.kind = PunctualKind::spot;
+    spot.direction = Vec3f(0, -1, 0);
+    spot.inner_cone_angle = 0;
+    spot.outer_cone_angle = 1e-6f;
+    Light light;
+    light.kind = LightKind::spot;
+    light.e1 = spot.direction;
+    light.radiance = Rgb(1);
+    const auto s = sample_punctual_light(spot, light, Vec3f(0.5e-6f, -1, 0));
+    ASSERT_TRUE(s);
+    EXPECT_NEAR(s->radiance.x, 0.75 * 0.75, 1e-6);
 }
 
 std::shared_ptr<const EnvironmentImage> sky_image(uint32_t w, uint32_t h) {

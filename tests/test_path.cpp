@@ -5,7 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/scene_builder.h"
+#include "core/scattering/medium.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot {
 namespace {
@@ -223,6 +224,24 @@ TEST(Volume, ASolidAbsorbsAlongThePath) {
     EXPECT_NEAR(pixel.sum[0].value() / 4, std::pow(0.5, 1.5), 1e-5);
     EXPECT_NEAR(pixel.sum[1].value() / 4, std::pow(0.25, 1.5), 1e-5);
     EXPECT_NEAR(pixel.sum[2].value() / 4, 1, 1e-6);
+}
+
+TEST(Volume, TransmittanceKeepsItsDigitsAtDepth) {
+    double worst = 0;
+    double rounded = 0;
+    for (int i = 1; i < 4000; ++i) {
+        const float sigma = 0.0137f * static_cast<float>(i);
+        constexpr float kDistance = 1.5999f;
+        const double expected = std::exp(-static_cast<double>(sigma) * kDistance);
+        const Rgb t = transmittance(Rgb(sigma, 0, kInfinity), kDistance);
+        worst = std::max(worst, std::abs(t.x / expected - 1));
+        rounded = std::max(rounded, std::abs(std::exp(-sigma * kDistance) / expected - 1));
+        EXPECT_EQ(t.y, 1);
+        EXPECT_EQ(t.z, 0);
+    }
+    EXPECT_LT(worst, 3e-7);
+    EXPECT_GT(rounded, 1e-6) << "control: the product rounded to float";
+    EXPECT_EQ(transmittance(Rgb(kInfinity), 0), Rgb(1));
 }
 
 // A small room with a lamp, a metal and a plain sphere.

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/integrate/tiers.h"
-#include "tests/scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "core/scattering/bsdf.h"
 #include "core/scattering/fresnel.h"
-#include "tests/stats/random.h"
+#include "oracles/stats/random.h"
 
 namespace talbot {
 namespace {

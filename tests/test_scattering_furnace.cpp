@@ -2,9 +2,9 @@
 // eval() and by sample().
 #include <gtest/gtest.h>
 
-#include "tests/scattering_cases.h"
-#include "tests/stats/random.h"
-#include "tests/stats/ztest.h"
+#include "oracles/scattering_cases.h"
+#include "oracles/stats/random.h"
+#include "oracles/stats/ztest.h"
 
 namespace talbot {
 namespace {

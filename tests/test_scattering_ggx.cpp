@@ -2,10 +2,7 @@
 // against density (S08).
 #include <gtest/gtest.h>
 
-#include "core/scattering/ggx.h"
-#include "tests/stats/chi2.h"
-#include "tests/stats/random.h"
-#include "tests/stats/sphere_cells.h"
+#include "oracles/visible_normals.h"
 
 namespace talbot {
 namespace {
@@ -63,39 +60,21 @@ TEST(Ggx, DistributionIsExactNearSpecular) {
     EXPECT_TRUE(naive.worst > 0.05 || naive.not_finite > 0) << "control";
 }
 
-// Integral of the density of visible normals, over slopes alpha r with r^2 = (1 - s^2) / s^2, where
-// D cos has no peak.
-double visible_normals_integral(const Ggx& ggx, const Vec3f& wo, float density_scale) {
-    constexpr int kRadial = 1500;
-    constexpr int kTurn = 256;
-    double sum = 0;
-    for (int i = 0; i < kRadial; ++i) {
-        const double s = (i + 0.5) / kRadial;
-        const double r = std::sqrt(1 - s * s) / s;
-        for (int j = 0; j < kTurn; ++j) {
-            const double phi = 2 * std::numbers::pi * (j + 0.5) / kTurn;
-            const Vec3d m =
-                normalize(Vec3d(ggx.ax * r * std::cos(phi), ggx.ay * r * std::sin(phi), 1));
-            // d(solid angle) = ds dphi 2 s / (D cos 2 pi).
-            const double q = (r * r + 1) * m.z * m.z;
-            const double d = 1 / (std::numbers::pi * ggx.ax * ggx.ay * q * q);
-            sum += density_scale * ggx.pdf_visible_normal(wo, Vec3f(m)) * s /
-                   (d * m.z * std::numbers::pi);
-        }
-    }
-    return sum * 2 * std::numbers::pi / (double{kRadial} * kTurn);
+double integral_of(const Ggx& ggx, const Vec3f& wo, float density_scale) {
+    return visible_normals_integral(
+        ggx, [&](const Vec3f& h) { return density_scale * ggx.pdf_visible_normal(wo, h); });
 }
 
 TEST(Ggx, VisibleNormalsIntegrateToOne) {
     for (const float alpha : {1e-4f, 1e-3f, 0.03f, 0.3f, 1.0f}) {
         for (const float mu : {1.0f, 0.5f, 0.1f, 1e-3f, 1e-5f, 1e-7f}) {
             const Vec3f wo(std::sqrt(1 - mu * mu), 0, mu);
-            EXPECT_NEAR(visible_normals_integral(Ggx(alpha), wo, 1), 1, 1e-4) << alpha << ' ' << mu;
+            EXPECT_NEAR(integral_of(Ggx(alpha), wo, 1), 1, 1e-4) << alpha << ' ' << mu;
         }
     }
-    EXPECT_NEAR(visible_normals_integral(Ggx(0.05f, 0.8f), normalize(Vec3f(0.7f, 0.3f, 0.1f)), 1),
+    EXPECT_NEAR(integral_of(Ggx(0.05f, 0.8f), normalize(Vec3f(0.7f, 0.3f, 0.1f)), 1),
                 1, 1e-4);
-    EXPECT_GT(visible_normals_integral(Ggx(0.1f), Vec3f(0, 0, 1), 1.02f), 1 + 1e-4) << "control";
+    EXPECT_GT(integral_of(Ggx(0.1f), Vec3f(0, 0, 1), 1.02f), 1 + 1e-4) << "control";
 }
 
 TEST(Ggx, SampledAndRecomputedDensitiesAgree) {
@@ -129,32 +108,6 @@ TEST(Ggx, SampledAndRecomputedDensitiesAgree) {
     }
     EXPECT_EQ(not_finite, 0);
     EXPECT_GT(below, 0);
-}
-
-// Chi-square of sampled normals against the density; `shift` displaces the rings of the histogram,
-// `scale` the density.
-double visible_normals_p(const Ggx& ggx, const Vec3f& wo, std::size_t shift, double scale,
-                         uint64_t seed, int draws = 100000) {
-    const stats::SphereCells cells(Vec3d(0, 0, 1), std::min(ggx.ax, ggx.ay));
-    std::vector<double> observed(cells.size() + 1, 0.0);
-    std::vector<double> expected(cells.size() + 1, 0.0);
-    Random random(seed);
-    for (int i = 0; i < draws; ++i) {
-        const std::size_t cell = cells.cell_of(ggx.sample_visible_normal(wo, random.pair()));
-        ++observed[std::min(cell + shift * static_cast<std::size_t>(cells.sectors()),
-                            cells.size() - 1)];
-    }
-    double rest = draws;
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-        expected[i] =
-            scale * draws *
-            cells.integrate(
-                i, [&](const Vec3f& h) { return h.z > 0 ? ggx.pdf_visible_normal(wo, h) : 0.0f; },
-                1e-6);
-        rest -= expected[i];
-    }
-    expected.back() = std::max(rest, 0.0);  // nothing, if the density is right
-    return stats::chi2_test(observed, expected).p;
 }
 
 TEST(Ggx, VisibleNormalsFollowTheirDensity) {

@@ -6,8 +6,8 @@
 
 #include "core/scattering/dispersion.h"
 #include "core/scattering/thin_film.h"
-#include "tests/scattering_cases.h"
-#include "tests/stats/random.h"
+#include "oracles/scattering_cases.h"
+#include "oracles/stats/random.h"
 
 namespace talbot {
 namespace {

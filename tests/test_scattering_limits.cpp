@@ -2,8 +2,8 @@
 // 0.
 #include <gtest/gtest.h>
 
-#include "tests/scattering_cases.h"
-#include "tests/stats/random.h"
+#include "oracles/scattering_cases.h"
+#include "oracles/stats/random.h"
 
 namespace talbot {
 namespace {

@@ -3,8 +3,8 @@
 // section 5.2).
 #include <gtest/gtest.h>
 
-#include "tests/scattering_cases.h"
-#include "tests/stats/random.h"
+#include "oracles/scattering_cases.h"
+#include "oracles/stats/random.h"
 
 namespace talbot {
 namespace {

@@ -2,8 +2,8 @@
 // black, no lost energy.
 #include <gtest/gtest.h>
 
-#include "tests/scattering_cases.h"
-#include "tests/stats/random.h"
+#include "oracles/scattering_cases.h"
+#include "oracles/stats/random.h"
 
 namespace talbot {
 namespace {
@@ -107,19 +107,6 @@ TEST(TiltedShading, NoLightThroughTheBack) {
             }
         }
     }
-}
-
-// Albedo of a view averaged over azimuths of the tilt.
-double tilted_albedo(const ScatteringCase& c, float mu, float tilt, double& lowest) {
-    constexpr int kAzimuths = 4;
-    double sum = 0;
-    for (int k = 0; k < kAzimuths; ++k) {
-        const double a =
-            albedo(c, {mu, tilt, (static_cast<float>(k) + 0.25f) * (2 * kPi / kAzimuths)});
-        lowest = std::min(lowest, a);
-        sum += a;
-    }
-    return sum / kAzimuths;
 }
 
 TEST(TiltedShading, FurnaceLosesLittleAndGainsNothing) {

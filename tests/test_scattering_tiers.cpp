@@ -4,11 +4,15 @@
 
 #include <cstring>
 
-#include "tests/scattering_cases.h"
-#include "tests/stats/random.h"
+#include "oracles/scattering_cases.h"
+#include "oracles/stats/random.h"
 
 namespace talbot {
 namespace {
+
+constexpr EffectSet kMatteTier{};
+constexpr EffectSet kOpaqueTier = EffectSet{} | Effect::glossy | Effect::specular;
+constexpr EffectSet kFullTier = EffectSet::all();
 
 using stats::Random;
 

@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "core/session/session.h"
-#include "tests/scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot {
 namespace {

@@ -1,10 +1,10 @@
 // The statistical tests judged on closed forms, on honest generators and on planted faults.
 #include <gtest/gtest.h>
 
-#include "tests/stats/chi2.h"
-#include "tests/stats/random.h"
-#include "tests/stats/ttest.h"
-#include "tests/stats/ztest.h"
+#include "oracles/stats/chi2.h"
+#include "oracles/stats/random.h"
+#include "oracles/stats/ttest.h"
+#include "oracles/stats/ztest.h"
 
 namespace talbot::stats {
 namespace {

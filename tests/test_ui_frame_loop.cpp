@@ -59,7 +59,7 @@ class FrameLoopTest : public testing::Test {
         ASSERT_TRUE(made_loop.ok()) << made_loop.error().line();
         loop = std::move(*made_loop);
         scene = make_scene();
-        loop->show(scene, scene->cameras().front());
+        loop->show({scene, scene->cameras().front(), nullptr, {}});
         ASSERT_TRUE(settle());
     }
     void TearDown() override {

@@ -6,8 +6,8 @@
 
 #include "core/math/frame.h"
 #include "core/math/warp.h"
-#include "tests/stats/chi2.h"
-#include "tests/stats/random.h"
+#include "oracles/stats/chi2.h"
+#include "oracles/stats/random.h"
 
 namespace talbot {
 namespace {

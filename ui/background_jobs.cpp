@@ -1,5 +1,6 @@
 #include "ui/background_jobs.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <utility>
@@ -10,7 +11,7 @@ namespace talbot {
 
 BackgroundJobs::~BackgroundJobs() {
     for (const std::unique_ptr<Job>& job : jobs_) {
-        if (job->load) job->thread.request_stop();
+        if (!job->must_end) job->thread.request_stop();
     }
 }
 
@@ -26,6 +27,7 @@ void BackgroundJobs::start(bool load, std::string title, Work work) {
     auto job = std::make_unique<Job>();
     Job& shared = *job;
     shared.load = load;
+    shared.must_end = title.starts_with("saving");
     shared.title = std::move(title);
     shared.thread = std::jthread([&shared, work = std::move(work)](std::stop_token stop) {
         try {
@@ -50,12 +52,61 @@ void BackgroundJobs::load_scene(const std::filesystem::path& file, SceneLoader l
           });
 }
 
+void BackgroundJobs::reread_scene(std::shared_ptr<GltfFile> file, const SceneChoice& choice,
+                                  const Environment& environment) {
+    start(true, "",
+          [file = std::move(file), choice, environment](std::stop_token stop,
+                                                        std::atomic<float>&) -> Outcome {
+              Result<RereadScene> reread = talbot::reread_scene(file, choice, environment, stop);
+              if (!reread) return reread.error();
+              return std::move(*reread);
+          });
+}
+
+bool BackgroundJobs::loading() const {
+    return std::any_of(jobs_.begin(), jobs_.end(), [](const std::unique_ptr<Job>& job) {
+        return job->load && !job->replaced;
+    });
+}
+
 void BackgroundJobs::load_environment(const std::filesystem::path& file) {
     start(true, "loading " + file.filename().string(),
           [file](std::stop_token, std::atomic<float>&) -> Outcome {
               Result<EnvironmentImage> image = talbot::load_environment(file);
               if (!image) return image.error();
               return std::make_shared<const EnvironmentImage>(std::move(*image));
+          });
+}
+
+void BackgroundJobs::retrace(std::shared_ptr<const Snapshot> snapshot, const NotedSample& sample) {
+    start(false, "tracing a path",
+          [snapshot = std::move(snapshot), sample, retracer = retracer_](
+              std::stop_token, std::atomic<float>&) -> Outcome {
+              return retracer->path(snapshot->scene, snapshot->camera, snapshot->settings, sample.x,
+                                    sample.y, sample.sample);
+          });
+}
+
+void BackgroundJobs::measure_bias(std::shared_ptr<const Snapshot> snapshot, float exposure_ev) {
+    start(false, "measuring bias",
+          [s = std::move(snapshot), exposure_ev](std::stop_token stop,
+                                                 std::atomic<float>&) -> Outcome {
+              WorkerPool pool(0);
+              return talbot::measure_bias(s->scene, s->camera, s->settings,
+                                          static_cast<double>(exposure_ev), pool, stop);
+          });
+}
+
+void BackgroundJobs::measure_error_shares(std::shared_ptr<const Snapshot> snapshot,
+                                          float exposure_ev) {
+    start(false, "measuring the error's parts",
+          [s = std::move(snapshot), exposure_ev](std::stop_token stop,
+                                                 std::atomic<float>&) -> Outcome {
+              WorkerPool pool(0);
+              ErrorSharePolicy policy;
+              policy.exposure_ev = exposure_ev;
+              return talbot::measure_error_shares(s->scene, s->camera, s->settings, policy, pool,
+                                                  stop);
           });
 }
 
@@ -84,7 +135,7 @@ std::optional<BackgroundJobs::Outcome> BackgroundJobs::poll() {
 
 std::string BackgroundJobs::status() const {
     for (const std::unique_ptr<Job>& job : jobs_) {
-        if (job->replaced) continue;
+        if (job->replaced || job->title.empty()) continue;
         if (!job->load) return job->title;
         char percent[16];
         std::snprintf(percent, sizeof percent, " %.0f %%",

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "core/film/tone_map.h"
+#include "core/session/retrace.h"
 #include "core/session/snapshot.h"
+#include "ui/panels.h"
 #include "ui/scene_loading.h"
 
 namespace talbot {
@@ -24,7 +26,8 @@ struct SavedFile {
 class BackgroundJobs {
   public:
     using Outcome =
-        std::variant<LoadedScene, std::shared_ptr<const EnvironmentImage>, SavedFile, Error>;
+        std::variant<LoadedScene, RereadScene, std::shared_ptr<const EnvironmentImage>, SavedFile,
+                     ReplayedPath, std::vector<BiasEntry>, ErrorShares, Error>;
 
     BackgroundJobs() = default;
     ~BackgroundJobs();  // cancels loads, finishes saves
@@ -32,7 +35,17 @@ class BackgroundJobs {
     BackgroundJobs& operator=(const BackgroundJobs&) = delete;
 
     void load_scene(const std::filesystem::path& file, SceneLoader loader);
+    // Replaces a load that is under way; shows no status.
+    void reread_scene(std::shared_ptr<GltfFile> file, const SceneChoice& choice,
+                      const Environment& environment);
     void load_environment(const std::filesystem::path& file);
+
+    // The path of one sample of what the snapshot shows.
+    void retrace(std::shared_ptr<const Snapshot> snapshot, const NotedSample& sample);
+
+    // Of what the snapshot shows, after an exposure.
+    void measure_bias(std::shared_ptr<const Snapshot> snapshot, float exposure_ev);
+    void measure_error_shares(std::shared_ptr<const Snapshot> snapshot, float exposure_ev);
 
     // PNG through the display settings, EXR and the like scene-linear.
     void save(const std::filesystem::path& file, std::shared_ptr<const ImageRgba> image,
@@ -42,6 +55,8 @@ class BackgroundJobs {
     std::optional<Outcome> poll();
 
     bool busy() const { return !jobs_.empty(); }
+    // Whether a load or a rereading is under way.
+    bool loading() const;
 
     // "loading ToyCar.gltf 40 %", or empty.
     std::string status() const;
@@ -49,6 +64,7 @@ class BackgroundJobs {
   private:
     struct Job {
         bool load = false;
+        bool must_end = false;  // what is being written is finished
         std::string title;
         std::atomic<float> fraction{0};
         std::atomic<bool> done{false};
@@ -59,6 +75,7 @@ class BackgroundJobs {
     template <typename Work>
     void start(bool load, std::string title, Work work);
 
+    std::shared_ptr<Retracer> retracer_ = std::make_shared<Retracer>();
     std::vector<std::unique_ptr<Job>> jobs_;
 };
 

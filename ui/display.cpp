@@ -56,7 +56,7 @@ Display::~Display() {
 }
 
 Status Display::load() {
-    if (const auto loaded = program_for({}, false, false, false); !loaded) return loaded.error();
+    if (const auto loaded = program_for({}, false, false, {}); !loaded) return loaded.error();
     gl_.GenVertexArrays(1, &vertex_array_);
     GLuint textures[3] = {};
     gl_.GenTextures(3, textures);
@@ -75,16 +75,18 @@ Status Display::load() {
 }
 
 Result<const ShaderProgram*> Display::program_for(const DisplaySettings& settings, bool has_alpha,
-                                                  bool outlined, bool false_color) {
+                                                  bool outlined,
+                                                  const DisplayOverlay& overlay) {
     std::string defines;
     const auto define = [&](const char* name, int value) {
         defines += std::string("#define ") + name + ' ' + std::to_string(value) + '\n';
     };
     define("HAS_ALPHA", has_alpha);
     define("HAS_OUTLINE", outlined);
-    define("FALSE_COLOR", false_color);
+    define("FALSE_COLOR", overlay.false_color);
     define("TONE_MAP", static_cast<int>(settings.tone_map));
     define("CHANNEL", static_cast<int>(settings.channel));
+    define("LOOK", static_cast<int>(overlay.look));
     std::unique_ptr<ShaderProgram>& program = programs_[defines];
     if (!program) {
         auto compiled = std::make_unique<ShaderProgram>(gl_);
@@ -146,7 +148,7 @@ void Display::draw(const PixelRect& rect, PixelSize framebuffer, const DisplaySe
     set_sampling(gl_, GL_TEXTURE2, object_texture_, GL_NEAREST);
 
     const Result<const ShaderProgram*> found =
-        program_for(settings, !image_->alpha.empty(), outlined, overlay.false_color);
+        program_for(settings, !image_->alpha.empty(), outlined, overlay);
     if (!found) {
         log_error(found.error().line());
         return;
@@ -161,6 +163,10 @@ void Display::draw(const PixelRect& rect, PixelSize framebuffer, const DisplaySe
     const float thickness = 2 * overlay.scale;
     gl_.Uniform2f(program.location("outline_uv"), thickness / static_cast<float>(rect.width),
                   thickness / static_cast<float>(rect.height));
+    const Rgb& lower = overlay.range_lower;
+    const Rgb& upper = overlay.range_upper;
+    gl_.Uniform3f(program.location("range_lower"), lower.x, lower.y, lower.z);
+    gl_.Uniform3f(program.location("range_upper"), upper.x, upper.y, upper.z);
     gl_.Uniform1f(program.location("checker_px"), 8 * overlay.scale);
 
     gl_.Viewport(rect.x, framebuffer.height - rect.y - rect.height, rect.width, rect.height);

@@ -39,6 +39,9 @@ PixelRect fit_image(const PixelRect& area, uint32_t image_width, uint32_t image_
 struct DisplayOverlay {
     std::optional<uint32_t> selected_object;
     bool false_color = false;
+    AovLook look = AovLook::radiance;  // what the values of the image are
+    Rgb range_lower{0};                // of them, for looks that are relative
+    Rgb range_upper{1};
     float scale = 1;  // of outline and checkerboard: the content scale
 };
 
@@ -64,7 +67,7 @@ class Display {
   private:
     // The shader for a look, compiled when it is first asked for.
     Result<const ShaderProgram*> program_for(const DisplaySettings& settings, bool has_alpha,
-                                             bool outlined, bool false_color);
+                                             bool outlined, const DisplayOverlay& overlay);
     void upload_image();
     void upload_object_ids(uint32_t width, uint32_t height);
 

@@ -16,6 +16,10 @@ struct LogAxis {
     float from_px = 0;
     float to_px = 1;
 
+    double value_at(float px) const {
+        const double t = static_cast<double>((px - from_px) / (to_px - from_px));
+        return std::pow(10.0, lower + t * (upper - lower));
+    }
     float at(double value) const {
         const double t = (std::log10(value) - lower) / (upper - lower);
         return from_px + static_cast<float>(t) * (to_px - from_px);
@@ -63,24 +67,41 @@ void draw_decades(ImDrawList& list, const LogAxis& x, const LogAxis& y) {
     }
 }
 
-// The fitted line through the present estimate, dashed where it looks ahead.
-void draw_fit(ImDrawList& list, const LogAxis& x, const LogAxis& y, const ErrorEstimate& error) {
+// Where the error is expected from now on: a band that opens, and the middle of it, dashed. The past
+// is the fitted line.
+void draw_cone(ImDrawList& list, const LogAxis& x, const LogAxis& y, const ErrorEstimate& error,
+               double seconds_now) {
     if (!(error.relrmse_percent > 0) || !(error.seconds > 0)) return;
     const double slope = -0.5 * error.seconds_exponent;
-    const auto percent_at = [&](double seconds) {
-        return error.relrmse_percent * std::pow(seconds / error.seconds, slope);
-    };
     const ImU32 color = ImGui::GetColorU32(ImGuiCol_PlotLines, 0.75f);
-    constexpr int kSegments = 48;
-    for (int i = 0; i < kSegments; ++i) {
-        const auto seconds_at = [&](int k) {
-            return std::pow(10.0, x.lower + (x.upper - x.lower) * k / kSegments);
-        };
-        const double from = seconds_at(i);
-        if (from > error.seconds && i % 2 == 1) continue;
-        list.AddLine(ImVec2(x.at(from), y.at(percent_at(from))),
-                     ImVec2(x.at(seconds_at(i + 1)), y.at(percent_at(seconds_at(i + 1)))), color,
-                     1.5f);
+    const ImU32 band = ImGui::GetColorU32(ImGuiCol_PlotLines, 0.16f);
+    const double now = std::log10(std::max(seconds_now, error.seconds));
+    constexpr int kSegments = 40;
+    const auto past = [&](double exponent) {
+        const double seconds = std::pow(10.0, exponent);
+        return ImVec2(x.at(seconds),
+                      y.at(error.relrmse_percent * std::pow(seconds / error.seconds, slope)));
+    };
+    list.AddLine(past(x.lower), past(now), color, 1.5f);
+    ErrorEstimate::FutureError last;
+    double last_seconds = 0;
+    for (int i = 0; i <= kSegments; ++i) {
+        const double seconds = std::pow(10.0, now + (x.upper - now) * i / kSegments);
+        const ErrorEstimate::FutureError next =
+            error.error_after(std::max(0.0, seconds - error.seconds));
+        if (!next.valid) return;
+        if (i > 0 && last.lo95 > 0 && next.lo95 > 0) {
+            const float left = x.at(last_seconds);
+            const float right = x.at(seconds);
+            list.AddQuadFilled(ImVec2(left, y.at(last.hi95)), ImVec2(right, y.at(next.hi95)),
+                               ImVec2(right, y.at(next.lo95)), ImVec2(left, y.at(last.lo95)), band);
+            if (i % 2 == 1) {
+                list.AddLine(ImVec2(left, y.at(last.relrmse_percent)),
+                             ImVec2(right, y.at(next.relrmse_percent)), color, 1.5f);
+            }
+        }
+        last = next;
+        last_seconds = seconds;
     }
 }
 
@@ -95,6 +116,47 @@ void draw_points(ImDrawList& list, const LogAxis& x, const LogAxis& y,
         }
         list.AddCircleFilled(ImVec2(px, y.at(point.percent)), radius, color);
     }
+}
+
+// The line of the target, with a handle at its right end.
+void draw_target(ImDrawList& list, const LogAxis& x, float py, bool lit) {
+    const float em = ImGui::GetFontSize();
+    const ImU32 color = ImGui::GetColorU32(ImVec4(0.36f, 0.78f, 0.42f, lit ? 1.0f : 0.8f));
+    list.AddLine(ImVec2(x.from_px, py), ImVec2(x.to_px, py), color, lit ? 2.5f : 1.5f);
+    list.AddTriangleFilled(ImVec2(x.to_px - 0.55f * em, py), ImVec2(x.to_px, py - 0.35f * em),
+                           ImVec2(x.to_px, py + 0.35f * em), color);
+    if (lit) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeNS);
+}
+
+double round_to_two_digits(double value) {
+    const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1);
+    return std::round(value / unit) * unit;
+}
+
+// The target can be dragged so far below everything.
+constexpr double kRoomBelowTarget = 3;
+
+// While the target is dragged, the axis stays as it was.
+void hold(LogAxis& axis, bool held) {
+    ImGuiStorage& storage = *ImGui::GetStateStorage();
+    float* lower = storage.GetFloatRef(ImGui::GetID("lower"), static_cast<float>(axis.lower));
+    float* upper = storage.GetFloatRef(ImGui::GetID("upper"), static_cast<float>(axis.upper));
+    if (held) {
+        axis.lower = static_cast<double>(*lower);
+        axis.upper = static_cast<double>(*upper);
+    } else {
+        *lower = static_cast<float>(axis.lower);
+        *upper = static_cast<float>(axis.upper);
+    }
+}
+
+// Moves the target to the pointer; true when it was elsewhere.
+bool drag_target(const LogAxis& y, double& target_percent) {
+    const float py = std::clamp(ImGui::GetIO().MousePos.y, y.to_px, y.from_px);
+    const double wanted = round_to_two_digits(y.value_at(py));
+    const bool moved = wanted != target_percent;
+    target_percent = wanted;
+    return moved;
 }
 
 }  // namespace
@@ -115,10 +177,12 @@ std::vector<ErrorPoint> error_points(const ErrorEstimate& error) {
     return points;
 }
 
-void draw_error_plot(const ErrorEstimate& error, double seconds_now, double target_percent,
+bool draw_error_plot(const ErrorEstimate& error, double seconds_now, double& target_percent,
                      const ImVec2& size) {
     const ImVec2 corner = ImGui::GetCursorScreenPos();
-    ImGui::Dummy(size);
+    ImGui::InvisibleButton("plot", size);
+    const bool dragged = ImGui::IsItemActive();
+    const bool hovered = ImGui::IsItemHovered();
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const float em = ImGui::GetFontSize();
     const ImVec2 end(corner.x + size.x, corner.y + size.y);
@@ -146,16 +210,17 @@ void draw_error_plot(const ErrorEstimate& error, double seconds_now, double targ
     LogAxis y;
     y.from_px = end.y - 1.4f * em;
     y.to_px = corner.y + 0.6f * em;
-    cover(y, smallest, largest);
+    cover(y, smallest / kRoomBelowTarget, largest);
+    hold(y, dragged);
+    const bool moved = dragged && drag_target(y, target_percent);
 
     draw_decades(list, x, y);
     list.PushClipRect(ImVec2(x.from_px, y.to_px), ImVec2(x.to_px, y.from_px), true);
-    const ImU32 target_color = ImGui::GetColorU32(ImVec4(0.36f, 0.78f, 0.42f, 0.8f));
-    list.AddLine(ImVec2(x.from_px, y.at(target_percent)), ImVec2(x.to_px, y.at(target_percent)),
-                 target_color, 1.5f);
-    if (error.valid) draw_fit(list, x, y, error);
+    if (error.valid) draw_cone(list, x, y, error, seconds_now);
     draw_points(list, x, y, points);
+    draw_target(list, x, y.at(target_percent), hovered || dragged);
     list.PopClipRect();
+    return moved;
 }
 
 }  // namespace talbot

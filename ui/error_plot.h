@@ -21,9 +21,9 @@ struct ErrorPoint {
 // the difference. Octaves without a positive difference give no point.
 std::vector<ErrorPoint> error_points(const ErrorEstimate& error);
 
-// Draws points with bars, the fitted line up to the target, and the target; takes `size` of the
-// current ImGui window.
-void draw_error_plot(const ErrorEstimate& error, double seconds_now, double target_percent,
+// Draws points with bars, the cone in which the error is expected to fall, and the target as a line
+// that can be dragged; takes `size` of the current ImGui window. True when the target was moved.
+bool draw_error_plot(const ErrorEstimate& error, double seconds_now, double& target_percent,
                      const ImVec2& size);
 
 }  // namespace talbot

@@ -7,21 +7,19 @@
 #include <cmath>
 #include <utility>
 
-#include "ui/layout.h"
+#include "ui/path_overlay.h"
 #include "ui/style.h"
 #include "ui/viewport.h"
 
 namespace talbot {
 namespace {
 
-// ImGui needs a few frames after an input until everything that depends on it is drawn.
 constexpr int kSettleFrames = 3;
 // The window's size must rest this long before the image follows.
 constexpr double kResizeRest = 0.12;
 // A frame is put off this long for the image that its own change asked for.
 constexpr double kLatchSeconds = 0.03;
 constexpr double kNoticeSeconds = 6;
-constexpr float kExposureStep = 1.0f / 3.0f;
 
 }  // namespace
 
@@ -37,7 +35,8 @@ FrameLoop::FrameLoop(RenderSession& session, GlContext& context, ViewerModel mod
       options_(std::move(options)),
       model_(std::move(model)),
       display_(context.gl()),
-      panels_(context.gl()) {
+      panels_(context.gl()),
+      ab_(context.gl()) {
     if (!options_.loader) {
         options_.loader = [](const std::filesystem::path& file, std::stop_token stop,
                              const LoadProgress& progress) {
@@ -69,24 +68,31 @@ Status FrameLoop::load() {
     set_up_panel_keys();
     if (Status loaded = display_.load(); !loaded) return loaded;
     if (Status loaded = panels_.load(); !loaded) return loaded;
+    if (Status loaded = ab_.load(); !loaded) return loaded;
     last_step_ = now_seconds();
     return Done{};
 }
 
-void FrameLoop::show(std::shared_ptr<const Scene> scene, const Camera& camera) {
-    show_scene(model_, std::move(scene), camera, edits_);
+void FrameLoop::show(LoadedScene loaded) {
+    show_scene(model_, std::move(loaded), edits_);
 }
 
 bool FrameLoop::needs_frame() const {
     if (settle_frames_ > 0 || !input_.empty() || edits_.any() || jobs_.busy() || !notice_.empty())
         return true;
     if (session_.latest() != snapshot_) return true;
+    if (ab_.is_running() && ab_.latest() != shown_ab_) return true;
+    if (model_.playing || model_.choice != model_.shown_choice) return true;
     if (wanted_size_ != PixelSize{}) return true;
     const ImGuiIO& io = ImGui::GetIO();
     // Held keys fly, held buttons drag, a text box's cursor blinks.
     return io.WantTextInput ||
            std::any_of(std::begin(io.KeysDown), std::end(io.KeysDown), [](bool b) { return b; }) ||
            std::any_of(std::begin(io.MouseDown), std::end(io.MouseDown), [](bool b) { return b; });
+}
+
+void FrameLoop::settle() {
+    settle_frames_ = kSettleFrames;
 }
 
 void FrameLoop::redraw() {
@@ -104,7 +110,10 @@ void FrameLoop::update() {
     take_input(start);
     draw_ui(start - last_step_);
     finish_jobs();
+    advance_animation(model_, start - last_step_);
+    follow_choice(start);
     follow_window(start);
+    follow_target();
     submit_changes(start);
     last_step_ = start;
     update_seconds_ = now_seconds() - start;
@@ -171,14 +180,22 @@ void FrameLoop::draw_ui(double seconds) {
         }
     }
     if (model_.look.show_panels) {
-        FileRequest request;
-        StatusLine status;
-        status.busy = jobs_.status();
-        draw_panels(size, scale_, model_, edits_, snapshot_.get(), session_.threads(), status,
-                    form_, request);
-        if (request.open) open_file(*request.open);
-        if (request.save) save_file(*request.save);
+        PanelView view;
+        view.snapshot = snapshot_.get();
+        view.threads = session_.threads();
+        view.status.busy = jobs_.status();
+        view.reading = pixel_under_pointer();
+        view.path = path_ ? &*path_ : nullptr;
+        view.diagnosis = diagnosis_;
+        const std::shared_ptr<const AbSnapshot> ab = ab_.latest();
+        view.ab = ab.get();
+        view.comparing = ab_.is_running();
+        PanelRequests requests;
+        draw_panels(size, scale_, model_, edits_, view, form_, requests);
+        grant(requests);
     }
+    ab_.draw_line(model_, image_rect_);
+    if (path_) draw_path(*path_, model_, image_rect_);
     if (model_.look.show_help) model_.look.show_help = draw_help_overlay();
     if (!notice_.empty()) {
         draw_notice(area_, notice_, notice_is_error_);
@@ -188,78 +205,30 @@ void FrameLoop::draw_ui(double seconds) {
     ImGui::Render();
 }
 
-void FrameLoop::run_shortcuts() {
-    const ImGuiIO& io = ImGui::GetIO();
-    if (io.WantTextInput) return;
-    for (const Shortcut& shortcut : shortcuts()) {
-        if (shortcut.control != io.KeyCtrl) continue;
-        if (ImGui::IsKeyPressed(static_cast<int>(shortcut.key), false))
-            run_command(shortcut.command);
+void FrameLoop::grant(const PanelRequests& requests) {
+    if (requests.file.open) open_file(*requests.file.open);
+    if (requests.file.save) save_file(*requests.file.save);
+    if (requests.retrace && snapshot_) jobs_.retrace(snapshot_, *requests.retrace);
+    if (requests.hide_path) path_.reset();
+    follow_comparison(requests.ab);
+    if (requests.diagnosis.bias && snapshot_) {
+        diagnosis_.measuring_bias = true;
+        jobs_.measure_bias(snapshot_, model_.display.exposure_ev);
+    }
+    if (requests.diagnosis.shares && snapshot_) {
+        diagnosis_.measuring_shares = true;
+        jobs_.measure_error_shares(snapshot_, model_.display.exposure_ev);
     }
 }
 
-void FrameLoop::run_command(ViewerCommand command) {
-    float& exposure = model_.display.exposure_ev;
-    switch (command) {
-        case ViewerCommand::toggle_pause:
-            model_.paused = !model_.paused;
-            edits_.paused = true;
-            break;
-        case ViewerCommand::restart:
-            edits_.restart = true;
-            break;
-        case ViewerCommand::frame_all:
-            edits_.camera |= frame_all(model_);
-            break;
-        case ViewerCommand::frame_selected:
-            edits_.camera |= frame_selected(model_);
-            break;
-        case ViewerCommand::next_camera: {
-            const std::size_t count = model_.scene ? model_.scene->cameras().size() : 0;
-            if (count == 0) break;
-            edits_.camera |= use_file_camera(model_, (model_.camera + 1) % static_cast<int>(count));
-            break;
-        }
-        case ViewerCommand::clear_selection:
-            if (model_.look.show_help)
-                model_.look.show_help = false;
-            else
-                select_object(model_, std::nullopt, std::nullopt, edits_);
-            break;
-        case ViewerCommand::exposure_down:
-            exposure -= kExposureStep;
-            break;
-        case ViewerCommand::exposure_up:
-            exposure += kExposureStep;
-            break;
-        case ViewerCommand::exposure_reset:
-            exposure = 0;
-            break;
-        case ViewerCommand::next_tone_map:
-            model_.display.tone_map = static_cast<ToneMap>(
-                (static_cast<std::size_t>(model_.display.tone_map) + 1) % kToneMaps.size());
-            break;
-        case ViewerCommand::toggle_panels:
-            model_.look.show_panels = !model_.look.show_panels;
-            break;
-        case ViewerCommand::toggle_help:
-            model_.look.show_help = !model_.look.show_help;
-            break;
-        case ViewerCommand::open_file:
-            model_.look.show_panels = true;
-            form_.focus_open_path = true;
-            break;
-        case ViewerCommand::save_png:
-            save_file(form_.save_path.ends_with(".png") ? form_.save_path : "talbot.png");
-            break;
-        case ViewerCommand::save_exr:
-            save_file(form_.save_path.ends_with(".exr") ? form_.save_path : "talbot.exr");
-            break;
-        case ViewerCommand::quit:
-            quit_ = true;
-            break;
-    }
-    settle_frames_ = kSettleFrames;
+std::optional<PixelReading> FrameLoop::pixel_under_pointer() const {
+    const ImVec2 at = ImGui::GetIO().MousePos;
+    if (!snapshot_ || !image_rect_.contains(at.x, at.y)) return std::nullopt;
+    const float u =
+        (at.x - static_cast<float>(image_rect_.x)) / static_cast<float>(image_rect_.width);
+    const float v =
+        (at.y - static_cast<float>(image_rect_.y)) / static_cast<float>(image_rect_.height);
+    return read_pixel(*snapshot_, static_cast<double>(u), static_cast<double>(v));
 }
 
 std::optional<Pick> FrameLoop::pick_at(const Vec2f& position) const {
@@ -307,18 +276,71 @@ void FrameLoop::save_file(const std::string& file) {
 void FrameLoop::finish_jobs() {
     while (std::optional<BackgroundJobs::Outcome> outcome = jobs_.poll()) {
         settle_frames_ = kSettleFrames;
+        if (auto* reread = std::get_if<RereadScene>(&*outcome)) {
+            const bool same_scene = reread->loaded.choice.scene == model_.shown_choice.scene;
+            if (same_scene)
+                replace_scene(model_, std::move(reread->loaded), edits_);
+            else
+                show(std::move(reread->loaded));
+            continue;
+        }
         if (!jobs_.busy()) session_.submit(SetPaused{model_.paused});
         if (auto* scene = std::get_if<LoadedScene>(&*outcome)) {
-            show(scene->scene, scene->camera);
+            show(std::move(*scene));
         } else if (auto* image = std::get_if<std::shared_ptr<const EnvironmentImage>>(&*outcome)) {
             model_.environment.image = *image;
             edits_.environment = true;
+        } else if (auto* path = std::get_if<ReplayedPath>(&*outcome)) {
+            path_ = std::move(*path);
+        } else if (auto* bias = std::get_if<std::vector<BiasEntry>>(&*outcome)) {
+            diagnosis_.measuring_bias = false;
+            diagnosis_.bias = std::move(*bias);
+        } else if (auto* shares = std::get_if<ErrorShares>(&*outcome)) {
+            diagnosis_.measuring_shares = false;
+            diagnosis_.shares = std::move(*shares);
         } else if (const auto* saved = std::get_if<SavedFile>(&*outcome)) {
             notify("Saved " + saved->file.string(), false);
         } else if (const auto* error = std::get_if<Error>(&*outcome)) {
-            if (error->kind != ErrorKind::cancelled) notify(error->line(), true);
+            if (error->kind == ErrorKind::cancelled) continue;
+            notify(error->line(), true);
+            // What could not be read is not tried again.
+            model_.choice = model_.shown_choice;
+            model_.playing = false;
         }
     }
+}
+
+// Another variant or moment is read when the last one has been shown, so that a drag over the time
+// shows every scene that it makes.
+void FrameLoop::follow_choice(double now) {
+    if (model_.choice == model_.shown_choice || !model_.file) return;
+    if (chosen_at_ == 0) chosen_at_ = now;
+    if (jobs_.loading() || edits_.any()) return;
+    if (snapshot_ && snapshot_->generation < generation_) return;
+    jobs_.reread_scene(model_.file, model_.choice, model_.environment);
+}
+
+// Rendering rests once for an image whose error is below the target.
+void FrameLoop::follow_target() {
+    if (!model_.look.stop_at_target || model_.paused || !snapshot_ || snapshot_->preview) return;
+    if (snapshot_->generation < generation_ || target_met_by_ == image_generation_) return;
+    const ErrorEstimate& error = snapshot_->error;
+    if (!error.valid || error.hi95 > model_.look.target_error_percent) return;
+    if (error.trust == Trust::red) return;
+    target_met_by_ = image_generation_;
+    model_.paused = true;
+    edits_.paused = true;
+    notify("The target error is reached; rendering rests.", false);
+}
+
+// While two settings are compared, the render rests, and the image shows both.
+void FrameLoop::follow_comparison(const AbRequest& request) {
+    if (request.start && snapshot_) ab_.start(model_, *snapshot_, session_.threads());
+    if (request.stop) ab_.stop();
+    if (request.close) ab_.close();
+    if (ab_.is_running() == comparing_) return;
+    comparing_ = ab_.is_running();
+    session_.submit(SetPaused{comparing_ || model_.paused});
 }
 
 // The image takes the size of its part of the window, once that has rested.
@@ -359,9 +381,16 @@ void FrameLoop::submit_changes(double input_time) {
         const bool shows = change_kind(change, kind);
         generation_ = session_.submit(std::move(change));
         if (!shows) continue;
-        const bool opened = kind == ChangeKind::scene && opened_at_ > 0;
-        recorder_.submitted(generation_, kind, opened ? opened_at_ : input_time);
-        if (opened) opened_at_ = 0;
+        image_generation_ = generation_;
+        if (kind == ChangeKind::scene || kind == ChangeKind::animation) path_.reset();
+        ab_.close();
+        diagnosis_.bias.reset();
+        diagnosis_.shares.reset();
+        double asked_at = input_time;
+        if (kind == ChangeKind::scene && opened_at_ > 0) asked_at = std::exchange(opened_at_, 0);
+        if (kind == ChangeKind::animation && chosen_at_ > 0)
+            asked_at = std::exchange(chosen_at_, 0);
+        recorder_.submitted(generation_, kind, asked_at);
         latch_until_ = input_time + kLatchSeconds;
     }
 }
@@ -372,7 +401,18 @@ void FrameLoop::draw_and_present() {
         snapshot_ = latest;
         settle_frames_ = std::max(settle_frames_, 1);
     }
-    if (snapshot_) display_.update(*snapshot_);
+    DisplayOverlay overlay;
+    shown_ab_ = ab_.latest();
+    const AovImage* aov = snapshot_ && !shown_ab_ ? snapshot_->aov.get() : nullptr;
+    if (aov && aov->aov == model_.look.aov) {
+        display_.update(std::shared_ptr<const ImageRgba>(snapshot_->aov, &aov->image),
+                        snapshot_->object_ids, snapshot_->full_width, snapshot_->full_height);
+        overlay.look = aov_info(aov->aov).look;
+        overlay.range_lower = aov->lower;
+        overlay.range_upper = aov->upper;
+    } else if (snapshot_ && !shown_ab_) {
+        display_.update(*snapshot_);
+    }
 
     const double start = now_seconds();
     const GlFunctions& gl = context_.gl();
@@ -380,11 +420,11 @@ void FrameLoop::draw_and_present() {
     context_.bind_framebuffer();
     gl.ClearColor(0.075f, 0.075f, 0.08f, 1);
     gl.Clear(GL_COLOR_BUFFER_BIT);
-    DisplayOverlay overlay;
     overlay.selected_object = model_.selected_object;
     overlay.false_color = model_.look.false_color;
     overlay.scale = scale_;
-    display_.draw(image_rect_, size, model_.display, overlay);
+    if (!ab_.draw(gl, display_, image_rect_, size, model_, overlay))
+        display_.draw(image_rect_, size, model_.display, overlay);
     panels_.draw(*ImGui::GetDrawData(), size);
     context_.present();
     gl_seconds_ += now_seconds() - start;

@@ -8,10 +8,12 @@
 #include <string>
 
 #include "core/session/session.h"
+#include "ui/ab_view.h"
 #include "ui/background_jobs.h"
 #include "ui/display.h"
 #include "ui/gl_context.h"
 #include "ui/input.h"
+#include "ui/layout.h"
 #include "ui/latency.h"
 #include "ui/panel_renderer.h"
 #include "ui/panels.h"
@@ -42,10 +44,13 @@ class FrameLoop {
     Edits& edits() { return edits_; }
 
     // Puts a scene on show with the next step.
-    void show(std::shared_ptr<const Scene> scene, const Camera& camera);
+    void show(LoadedScene loaded);
 
     // Whether a step would draw something that the last one did not.
     bool needs_frame() const;
+
+    // Asks for the frames that ImGui needs after an input until all that depends on it is drawn.
+    void settle();
 
     // Asks for a frame although no input came: something was changed from outside.
     void redraw();
@@ -69,6 +74,8 @@ class FrameLoop {
     LatencyRecorder& recorder() { return recorder_; }
     // The message over the image, empty when there is none.
     const std::string& notice() const { return notice_; }
+    // The path that is drawn over the image, if any.
+    const std::optional<ReplayedPath>& path() const { return path_; }
 
     // Starts loading a scene or an environment, or saving what is shown.
     void open_file(const std::string& file);
@@ -86,6 +93,11 @@ class FrameLoop {
     void select_at(const Vec2f& position);
     std::optional<Pick> pick_at(const Vec2f& position) const;
     void finish_jobs();
+    void follow_choice(double now);
+    void follow_target();
+    void follow_comparison(const AbRequest& request);
+    void grant(const PanelRequests& requests);
+    std::optional<PixelReading> pixel_under_pointer() const;
     void follow_window(double now);
     void submit_changes(double input_time);
     void draw_and_present();
@@ -101,8 +113,13 @@ class FrameLoop {
     Display display_;
     PanelRenderer panels_;
     BackgroundJobs jobs_;
+    AbView ab_;
     LatencyRecorder recorder_;
     FileForm form_;
+    std::optional<ReplayedPath> path_;
+    Diagnosis diagnosis_;
+    uint64_t image_generation_ = 0;  // of the newest change that alters the image
+    uint64_t target_met_by_ = 0;     // the one that was stopped at its target
     std::shared_ptr<const Snapshot> snapshot_;
     PixelRect area_;
     PixelRect image_rect_;
@@ -113,6 +130,7 @@ class FrameLoop {
     double notice_until_ = 0;
     double last_step_ = 0;
     double update_seconds_ = 0;
+    double chosen_at_ = 0;    // when the choice was made that is being read
     double opened_at_ = 0;    // when the file was asked for that is being loaded
     double latch_until_ = 0;  // drawing waits for the image of generation_ no longer than this
     double gl_seconds_ = 0;
@@ -120,6 +138,8 @@ class FrameLoop {
     uint64_t generation_ = 0;
     float error_exposure_ = 0;  // as the session was told
     int settle_frames_ = 0;
+    std::shared_ptr<const AbSnapshot> shown_ab_;
+    bool comparing_ = false;  // the render rests meanwhile
     bool quit_ = false;
 };
 

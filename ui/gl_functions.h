@@ -62,6 +62,7 @@
     X(PFNGLUNIFORM1IPROC, Uniform1i)                             \
     X(PFNGLUNIFORM1UIPROC, Uniform1ui)                           \
     X(PFNGLUNIFORM2FPROC, Uniform2f)                             \
+    X(PFNGLUNIFORM3FPROC, Uniform3f)                             \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                           \
     X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)         \
     X(PFNGLVIEWPORTPROC, Viewport)

@@ -6,8 +6,8 @@
 namespace talbot {
 
 bool change_kind(const Change& change, ChangeKind& kind) {
-    if (std::holds_alternative<SetScene>(change))
-        kind = ChangeKind::scene;
+    if (const auto* scene = std::get_if<SetScene>(&change))
+        kind = scene->same_objects ? ChangeKind::animation : ChangeKind::scene;
     else if (std::holds_alternative<SetCamera>(change))
         kind = ChangeKind::camera;
     else if (std::holds_alternative<SetMaterial>(change))

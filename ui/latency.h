@@ -13,9 +13,9 @@
 
 namespace talbot {
 
-enum class ChangeKind : uint8_t { camera, material, light, environment, settings, scene };
-inline constexpr std::array<std::string_view, 6> kChangeKindNames{
-    "camera", "material", "light", "environment", "settings", "scene"};
+enum class ChangeKind : uint8_t { camera, material, light, environment, settings, scene, animation };
+inline constexpr std::array<std::string_view, 7> kChangeKindNames{
+    "camera", "material", "light", "environment", "settings", "scene", "animation"};
 
 // The kind of a change that alters the image; false for pauses, limits, selections and restarts.
 bool change_kind(const Change& change, ChangeKind& kind);

@@ -52,23 +52,30 @@ PixelRect image_area(PixelSize framebuffer, float scale, bool show_panels) {
 }
 
 void draw_panels(PixelSize framebuffer, float scale, ViewerModel& model, Edits& edits,
-                 const Snapshot* snapshot, unsigned threads, const StatusLine& status,
-                 FileForm& form, FileRequest& request) {
+                 const PanelView& view, FileForm& form, PanelRequests& requests) {
+    const Snapshot* snapshot = view.snapshot;
     const int side = panel_width(framebuffer, scale);
     const int bar = status_height(scale);
     const int height = framebuffer.height - bar;
 
     begin_window("scene", {0, 0, side, height}, kFixedWindow);
-    if (section("File")) draw_file_panel(model, form, request);
+    if (section("File")) draw_file_panel(model, form, requests.file);
+    if (has_choices(model) && section("Scene")) draw_scene_panel(model);
     if (section("Session")) draw_session_panel(model, edits, snapshot);
     if (section("Camera")) edits.camera |= draw_camera_panel(model);
     if (section("Environment and lights")) draw_lights_panel(model, edits);
-    if (section("Render")) edits.settings |= draw_render_panel(model, snapshot, threads);
+    if (section("Render")) edits.settings |= draw_render_panel(model, view.threads);
+    if (section("Effects", false)) edits.settings |= draw_effects_panel(model, snapshot);
     ImGui::End();
 
     begin_window("image settings", {framebuffer.width - side, 0, side, height}, kFixedWindow);
-    if (section("Accuracy")) draw_accuracy_panel(snapshot, model.look);
-    if (section("Display")) draw_display_panel(model);
+    if (section("Accuracy"))
+        draw_accuracy_panel(snapshot, model, edits, view.diagnosis, requests.diagnosis);
+    if (section("Compare A and B", false))
+        draw_ab_panel(model, view.ab, view.comparing, requests.ab);
+    if (section("Display")) draw_display_panel(model, edits, snapshot, view.reading);
+    if (section("Samples", false))
+        draw_samples_panel(snapshot, view.path, requests.retrace, requests.hide_path);
     if (section("Material") && draw_material_panel(model)) edits.materials.insert(model.material);
     ImGui::End();
 
@@ -76,7 +83,7 @@ void draw_panels(PixelSize framebuffer, float scale, ViewerModel& model, Edits& 
     ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.095f, 0.095f, 0.1f, 1));
     begin_window("status", {0, height, framebuffer.width, bar},
                  kFixedWindow | ImGuiWindowFlags_NoScrollbar);
-    draw_status_bar(model, snapshot, status);
+    draw_status_bar(model, snapshot, view.status);
     ImGui::End();
     ImGui::PopStyleColor();
     ImGui::PopStyleVar();

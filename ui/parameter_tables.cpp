@@ -135,6 +135,27 @@ constexpr Parameter<Material> kMaterialParameters[] = {
                                                        .slider_upper = 10,
                                                        .logarithmic = true,
                                                        .note = "KHR_materials_volume"}),
+    components<Material, &Material::multiscatter_color>(
+        {.name = "multiscatter_color",
+         .label = "multiscatterColor",
+         .kind = Kind::color,
+         .note = "KHR_materials_volume_scatter: what a thick body returns; needs attenuation."}),
+    scalar<Material, &Material::scatter_anisotropy>(
+        {.name = "scatter_anisotropy",
+         .label = "scatterAnisotropy",
+         .lower = -kLargestAnisotropy,
+         .upper = kLargestAnisotropy,
+         .slider_lower = -0.99,
+         .slider_upper = 0.99,
+         .note = "KHR_materials_volume_scatter: mean cosine of the turn."}),
+    scalar<Material, &Material::nested_priority>(
+        {.name = "nested_priority",
+         .label = "nestedPriority",
+         .lower = -kLargest,
+         .upper = kLargest,
+         .slider_lower = -5,
+         .slider_upper = 5,
+         .note = "Where volumes overlap, the highest fills the space."}),
     scalar<Material, &Material::dispersion>(
         {.name = "dispersion",
          .label = "dispersion",

@@ -12,8 +12,9 @@
 namespace talbot {
 namespace {
 
-// Share of a panel's width that labels take.
-constexpr float kLabelShare = 0.43f;
+// Share of a panel's width that labels take, and that a long one may take.
+constexpr float kLabelShare = 0.4f;
+constexpr float kLongLabelShare = 0.64f;
 
 void show_tooltip(std::string_view text) {
     if (text.empty() || !ImGui::IsItemHovered()) return;
@@ -119,11 +120,26 @@ bool edit_vector(const ParameterInfo& info, const char* id, ParameterValue& valu
     for (int i = 0; i < count; ++i)
         largest = std::max(largest, std::abs(value[static_cast<std::size_t>(i)]));
     const float speed = static_cast<float>(std::max(largest, 1.0) / 200);
-    if (!ImGui::DragScalarN(id, ImGuiDataType_Double, value.data(), count, speed, &info.lower,
-                            &info.upper, "%.3g", ImGuiSliderFlags_AlwaysClamp)) {
-        return false;
+    const float spacing = ImGui::GetStyle().ItemInnerSpacing.x;
+    const float width =
+        (ImGui::CalcItemWidth() - spacing * static_cast<float>(count - 1)) /
+        static_cast<float>(count);
+    bool edited = false;
+    ImGui::PushID(id);
+    for (int i = 0; i < count; ++i) {
+        double& v = value[static_cast<std::size_t>(i)];
+        // Next to the others it is nothing, and its digits would not fit.
+        constexpr double kNothing = 0x1p-20;
+        const char* format = std::abs(v) < kNothing * largest ? "0" : "%.3g";
+        if (i > 0) ImGui::SameLine(0, spacing);
+        ImGui::SetNextItemWidth(width);
+        ImGui::PushID(i);
+        edited |= ImGui::DragScalar("##component", ImGuiDataType_Double, &v, speed, &info.lower,
+                                    &info.upper, format, ImGuiSliderFlags_AlwaysClamp);
+        ImGui::PopID();
     }
-    return true;
+    ImGui::PopID();
+    return edited;
 }
 
 }  // namespace
@@ -134,7 +150,17 @@ void begin_row(std::string_view label, std::string_view tooltip) {
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted(label.data(), label.data() + label.size());
     show_tooltip(tooltip);
-    ImGui::SameLine(start + std::floor(width * kLabelShare));
+    const float needed = ImGui::CalcTextSize(label.data(), label.data() + label.size()).x +
+                         ImGui::GetStyle().ItemInnerSpacing.x;
+    float column = std::floor(width * kLabelShare);
+    if (needed > width * kLongLabelShare) {
+        // The label has a line of its own.
+        ImGui::Dummy(ImVec2(0, 0));
+        ImGui::SameLine(start + column);
+    } else {
+        column = std::max(column, needed);
+        ImGui::SameLine(start + column);
+    }
     ImGui::SetNextItemWidth(-1);
 }
 

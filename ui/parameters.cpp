@@ -8,7 +8,7 @@
 namespace talbot {
 namespace {
 
-enum class Group { materials, lights, environment, camera, render, display, session };
+enum class Group { materials, lights, scene, environment, camera, render, display, session };
 
 // A path taken apart: group, index where the group is a list, and the name of the value.
 struct Target {
@@ -47,6 +47,8 @@ Result<Target> parse_path(const ViewerModel& model, std::string_view path) {
         const std::string_view group = path.substr(0, dot);
         if (group == "environment")
             target.group = Group::environment;
+        else if (group == "scene")
+            target.group = Group::scene;
         else if (group == "camera")
             target.group = Group::camera;
         else if (group == "render")
@@ -57,8 +59,8 @@ Result<Target> parse_path(const ViewerModel& model, std::string_view path) {
             target.group = Group::session;
         else
             return bad_path(path,
-                            "unknown group; there are materials[i], lights[i], environment, "
-                            "camera, render, display and session");
+                            "unknown group; there are materials[i], lights[i], scene, "
+                            "environment, camera, render, display and session");
         return target;
     }
     const std::string_view group = path.substr(0, bracket);
@@ -100,6 +102,8 @@ Result<Value> visit_parameter(Model& model, std::string_view path, const Target&
             return look_up(material_parameters(), model.materials[target.index]);
         case Group::lights:
             return look_up(light_parameters(), model.lights[target.index]);
+        case Group::scene:
+            return look_up(scene_parameters(), model);
         case Group::environment:
             return look_up(environment_parameters(), model.environment);
         case Group::camera:
@@ -132,6 +136,9 @@ void note_edit(Edits& edits, const Target& target) {
             edits.settings = true;
             break;
         case Group::display:
+            edits.aov |= target.name == "aov";
+            break;
+        case Group::scene:
             break;
         case Group::session:
             edits.paused |= target.name == "paused";
@@ -209,6 +216,7 @@ std::vector<std::string> parameter_paths(const ViewerModel& model) {
     for (std::size_t i = 0; i < model.lights.size(); ++i) {
         list("lights[" + std::to_string(i) + "]", light_parameters());
     }
+    list("scene", scene_parameters());
     list("environment", environment_parameters());
     list("camera", camera_parameters());
     list("render", render_parameters());

@@ -1,7 +1,7 @@
 // Every value that the user can edit, declared once: its path for scripts, its label, unit and
 // range for the panels, and how it is read and written. Paths look like
 // materials[3].roughness_factor, lights[0].intensity, environment.rotation_degrees, camera.yfov,
-// render.max_depth, display.exposure_ev, session.paused; a material may also be named:
+// render.max_depth, scene.animation_seconds, display.exposure_ev, session.paused; a material may also be named:
 // materials[Glass].ior.
 #pragma once
 
@@ -58,6 +58,7 @@ struct Parameter {
 
 std::span<const Parameter<Material>> material_parameters();
 std::span<const Parameter<PunctualLight>> light_parameters();
+std::span<const Parameter<ViewerModel>> scene_parameters();  // what of the file is on show
 std::span<const Parameter<Environment>> environment_parameters();
 std::span<const Parameter<CameraController>> camera_parameters();
 std::span<const Parameter<RenderSettings>> render_parameters();

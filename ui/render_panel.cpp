@@ -1,50 +1,11 @@
-// Render settings, effects with their witnesses, and the controls of the session.
+// Render settings and the controls of the session.
 #include <imgui.h>
 
 #include "ui/panels.h"
 #include "ui/parameter_widgets.h"
 
 namespace talbot {
-namespace {
-
-// Every effect: lit when active, with who asks for it; a check box forces an inactive one on.
-bool draw_effects(RenderSettings& settings, const Snapshot& snapshot) {
-    bool changed = false;
-    const EffectReport& effects = snapshot.effects;
-    if (!snapshot.kernel.empty()) text_row("Kernel", "%s", snapshot.kernel.c_str());
-    for (const EffectInfo& info : kEffects) {
-        const bool active = effects.active.has(info.effect);
-        bool on = active || settings.forced_on.has(info.effect);
-        ImGui::PushID(static_cast<int>(info.effect));
-        ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(
-                                                 active ? ImGuiCol_Text : ImGuiCol_TextDisabled));
-        if (ImGui::Checkbox(info.label.data(), &on) && !active) {
-            if (on) {
-                settings.forced_on.add(info.effect);
-            } else {
-                settings.forced_on.remove(info.effect);
-            }
-            changed = true;
-        }
-        ImGui::PopStyleColor();
-        if (ImGui::IsItemHovered()) {
-            const std::string& witness = effects.witness[static_cast<std::size_t>(info.effect)];
-            if (active) {
-                ImGui::SetTooltip("Asked for by %s",
-                                  witness.empty() ? "the scene" : witness.c_str());
-            } else {
-                ImGui::SetTooltip(
-                    "Not in this scene. Forced on it costs time and changes nothing.");
-            }
-        }
-        ImGui::PopID();
-    }
-    return changed;
-}
-
-}  // namespace
-
-bool draw_render_panel(ViewerModel& model, const Snapshot* snapshot, unsigned threads) {
+bool draw_render_panel(ViewerModel& model, unsigned threads) {
     bool changed = false;
     for (const Parameter<RenderSettings>& parameter : render_parameters()) {
         const std::string_view name = parameter.info.name;
@@ -57,10 +18,6 @@ bool draw_render_panel(ViewerModel& model, const Snapshot* snapshot, unsigned th
     }
     edit_named(display_parameters(), "fit_window", model);
     text_row("Threads", "%u", threads);
-    if (snapshot && ImGui::TreeNodeEx("Effects", ImGuiTreeNodeFlags_SpanAvailWidth)) {
-        changed |= draw_effects(model.settings, *snapshot);
-        ImGui::TreePop();
-    }
     return changed;
 }
 

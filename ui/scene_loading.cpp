@@ -8,17 +8,25 @@
 namespace talbot {
 namespace {
 
-bool has_light(const SceneDesc& desc) {
-    if (!desc.lights.empty() || desc.environment.image || desc.environment.gradient ||
-        !is_black(desc.environment.color)) {
-        return true;
-    }
-    return std::any_of(desc.materials.begin(), desc.materials.end(), [](const Material& material) {
-        return material.is_emissive() || material.unlit;
-    });
+// The file's first camera, else one that frames everything.
+Camera first_camera(const Scene& scene) {
+    if (!scene.cameras().empty()) return scene.cameras().front();
+    Vec3d lower, upper;
+    scene.world_bounds(lower, upper);
+    return frame_bounds(lower, upper, 16.0 / 9.0);
 }
 
 }  // namespace
+
+bool has_light(const std::vector<PunctualLight>& lights, const Environment& environment,
+               const std::vector<Material>& materials) {
+    if (!lights.empty() || environment.image || environment.gradient ||
+        !is_black(environment.color))
+        return true;
+    return std::any_of(materials.begin(), materials.end(), [](const Material& material) {
+        return material.is_emissive() || material.unlit;
+    });
+}
 
 Environment default_environment() {
     Environment environment;
@@ -41,9 +49,12 @@ Result<LoadedScene> load_scene(const std::filesystem::path& file, std::stop_toke
     options.stop = stop;
     options.threads = threads;
     options.progress = progress;
-    Result<SceneDesc> desc = load_gltf(file, options);
+    const Result<std::shared_ptr<GltfFile>> opened = GltfFile::open(file, options);
+    if (!opened) return opened.error();
+    Result<SceneDesc> desc = (*opened)->read(options);
     if (!desc) return desc.error();
-    if (!has_light(*desc)) desc->environment = fallback;
+    if (!has_light(desc->lights, desc->environment, desc->materials))
+        desc->environment = fallback;
 
     WorkerPool pool(threads);
     SceneBuildOptions build;
@@ -55,14 +66,37 @@ Result<LoadedScene> load_scene(const std::filesystem::path& file, std::stop_toke
     loaded.scene = Scene::build(std::move(*desc), pool, build);
     if (!loaded.scene)
         return Error{ErrorKind::cancelled, file.string(), "", "loading was cancelled"};
-    if (!loaded.scene->cameras().empty()) {
-        loaded.camera = loaded.scene->cameras().front();
-    } else {
-        Vec3d lower, upper;
-        loaded.scene->world_bounds(lower, upper);
-        loaded.camera = frame_bounds(lower, upper, 16.0 / 9.0);
-    }
+    loaded.file = *opened;
+    loaded.choice.scene = loaded.file->choices().default_scene;
+    loaded.camera = first_camera(*loaded.scene);
     return loaded;
+}
+
+Result<RereadScene> reread_scene(const std::shared_ptr<GltfFile>& file, const SceneChoice& choice,
+                                 const Environment& environment, std::stop_token stop) {
+    const GltfChoices& choices = file->choices();
+    LoadOptions options;
+    options.stop = stop;
+    if (choice.scene < choices.scenes.size()) options.scene = std::to_string(choice.scene);
+    if (choice.variant && *choice.variant < choices.variants.size())
+        options.variant = choices.variants[*choice.variant];
+    options.animation_time = choice.seconds;
+    Result<SceneDesc> desc = file->read(options);
+    if (!desc) return desc.error();
+    desc->environment = environment;
+    WorkerPool pool(0);
+    SceneBuildOptions build;
+    build.stop = stop;
+    build.quality = BuildQuality::fast;
+    const std::string name = desc->file;
+    RereadScene reread;
+    reread.loaded.scene = Scene::build(std::move(*desc), pool, build);
+    if (!reread.loaded.scene)
+        return Error{ErrorKind::cancelled, name, "", "loading was cancelled"};
+    reread.loaded.camera = first_camera(*reread.loaded.scene);
+    reread.loaded.file = file;
+    reread.loaded.choice = choice;
+    return reread;
 }
 
 }  // namespace talbot

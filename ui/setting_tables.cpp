@@ -1,10 +1,14 @@
-// The tables of ui/parameters.h that concern the renderer, the display and the session.
+// The tables of ui/parameters.h that concern the scene, the renderer, the display and the session.
+#include <algorithm>
+
 #include "ui/parameters.h"
 
 namespace talbot {
 namespace {
 
 using Kind = ParameterKind;
+
+constexpr double kLongestAnimation = 1e6;  // seconds
 
 // The labels of a table of the core, as a panel's choices.
 template <typename Table>
@@ -106,7 +110,7 @@ std::span<const Parameter<RenderSettings>> render_parameters() {
              .note = "Next-event estimation with multiple importance sampling."}),
         setting<&RenderSettings::transparent_background>(
             {.name = "transparent_background",
-             .label = "Transparency",
+             .label = "Transparent background",
              .kind = Kind::flag,
              .note = "The background is transparent in saved images."}),
         setting<&RenderSettings::seed>({.name = "seed",
@@ -164,6 +168,17 @@ std::span<const Parameter<ViewerModel>> display_parameters() {
          [](ViewerModel& m, const ParameterValue& v) {
              m.display.channel = static_cast<DisplayChannel>(static_cast<int>(v[0]));
          }},
+        {{.name = "aov",
+          .label = "Show",
+          .kind = Kind::choice,
+          .upper = kAovs.size() - 1,
+          .choices = labels_of(kAovs),
+          .choice_names = names_of(kAovs),
+          .note = "The image, or what else is known of its pixels."},
+         [](const ViewerModel& m) { return ParameterValue{static_cast<double>(m.look.aov)}; },
+         [](ViewerModel& m, const ParameterValue& v) {
+             m.look.aov = static_cast<Aov>(static_cast<int>(v[0]));
+         }},
         {{.name = "false_color",
           .label = "False colour",
           .kind = Kind::flag,
@@ -176,6 +191,58 @@ std::span<const Parameter<ViewerModel>> display_parameters() {
           .note = "The image gets as many pixels as its part of the window."},
          [](const ViewerModel& m) { return ParameterValue{m.look.fit_window ? 1.0 : 0.0}; },
          [](ViewerModel& m, const ParameterValue& v) { m.look.fit_window = v[0] != 0; }},
+    };
+    return table;
+}
+
+std::span<const Parameter<ViewerModel>> scene_parameters() {
+    static const Parameter<ViewerModel> table[] = {
+        {{.name = "index",
+          .label = "Scene",
+          .kind = Kind::integer,
+          .upper = 65535,
+          .slider_upper = 16,
+          .note = "Of the file's scenes."},
+         [](const ViewerModel& m) { return ParameterValue{static_cast<double>(m.choice.scene)}; },
+         [](ViewerModel& m, const ParameterValue& v) {
+             const std::size_t count = m.choices().scenes.size();
+             if (count > 0) m.choice.scene = std::min(static_cast<std::size_t>(v[0]), count - 1);
+         }},
+        {{.name = "variant",
+          .label = "Variant",
+          .kind = Kind::integer,
+          .lower = -1,
+          .upper = 65535,
+          .slider_lower = -1,
+          .slider_upper = 16,
+          .note = "Of the file's material variants; -1 is the file's own materials."},
+         [](const ViewerModel& m) {
+             return ParameterValue{m.choice.variant ? static_cast<double>(*m.choice.variant) : -1};
+         },
+         [](ViewerModel& m, const ParameterValue& v) {
+             const std::size_t count = m.choices().variants.size();
+             m.choice.variant.reset();
+             if (v[0] >= 0 && count > 0)
+                 m.choice.variant = std::min(static_cast<std::size_t>(v[0]), count - 1);
+         }},
+        {{.name = "animation_seconds",
+          .label = "Time",
+          .unit = "s",
+          .lower = -1,
+          .upper = kLongestAnimation,
+          .slider_lower = -1,
+          .slider_upper = 10,
+          .note = "Of all animations; below 0 is the rest pose."},
+         [](const ViewerModel& m) { return ParameterValue{m.choice.seconds.value_or(-1)}; },
+         [](ViewerModel& m, const ParameterValue& v) {
+             m.choice.seconds.reset();
+             if (v[0] >= 0 && m.choices().last_key() > 0) m.choice.seconds = v[0];
+         }},
+        {{.name = "playing", .label = "Playing", .kind = Kind::flag},
+         [](const ViewerModel& m) { return ParameterValue{m.playing ? 1.0 : 0.0}; },
+         [](ViewerModel& m, const ParameterValue& v) {
+             m.playing = v[0] != 0 && m.choices().last_key() > 0;
+         }},
     };
     return table;
 }
@@ -197,6 +264,23 @@ std::span<const Parameter<ViewerModel>> session_parameters() {
          [](ViewerModel& m, const ParameterValue& v) {
              m.pass_limit = static_cast<uint64_t>(v[0]);
          }},
+        {{.name = "target_error_percent",
+          .label = "Target error",
+          .unit = "%",
+          .lower = 0x1p-20,
+          .upper = 1000,
+          .slider_lower = 0.01,
+          .slider_upper = 100,
+          .logarithmic = true,
+          .note = "Relative RMS error of the image that is aimed at."},
+         [](const ViewerModel& m) { return ParameterValue{m.look.target_error_percent}; },
+         [](ViewerModel& m, const ParameterValue& v) { m.look.target_error_percent = v[0]; }},
+        {{.name = "stop_at_target",
+          .label = "Stop when reached",
+          .kind = Kind::flag,
+          .note = "Rests once the upper bound of the error's 95 % interval is below the target."},
+         [](const ViewerModel& m) { return ParameterValue{m.look.stop_at_target ? 1.0 : 0.0}; },
+         [](ViewerModel& m, const ParameterValue& v) { m.look.stop_at_target = v[0] != 0; }},
     };
     return table;
 }

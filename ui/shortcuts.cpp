@@ -8,6 +8,7 @@ constexpr Key kF1 = Key::f1;
 constexpr Shortcut kShortcuts[] = {
     {ViewerCommand::toggle_pause, Key::space, false, "Space", "Pause or resume"},
     {ViewerCommand::restart, key_of('r'), false, "R", "Restart the image"},
+    {ViewerCommand::toggle_animation, key_of('p'), false, "P", "Play or stop the animations"},
     {ViewerCommand::frame_all, Key::home, false, "Home", "Frame everything"},
     {ViewerCommand::frame_selected, key_of('f'), false, "F", "Frame the selected object"},
     {ViewerCommand::next_camera, key_of('c'), false, "C", "Next camera of the file"},

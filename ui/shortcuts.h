@@ -12,6 +12,7 @@ namespace talbot {
 enum class ViewerCommand : uint8_t {
     toggle_pause,
     restart,
+    toggle_animation,
     frame_all,
     frame_selected,
     next_camera,

@@ -1,6 +1,9 @@
 #include "ui/viewer_model.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "ui/material_textures.h"
 
 namespace talbot {
 namespace {
@@ -27,13 +30,22 @@ double ViewerModel::aspect() const {
 }
 
 bool Edits::any() const {
-    return scene || camera || environment || settings || paused || pass_limit || selection ||
+    return scene || camera || environment || settings || paused || pass_limit || selection || aov ||
            restart || !materials.empty() || !lights.empty();
 }
 
-void show_scene(ViewerModel& model, std::shared_ptr<const Scene> scene, const Camera& camera,
-                Edits& edits) {
-    model.scene = std::move(scene);
+const GltfChoices& ViewerModel::choices() const {
+    static const GltfChoices kNone;
+    return file ? file->choices() : kNone;
+}
+
+void show_scene(ViewerModel& model, LoadedScene loaded, Edits& edits) {
+    const Camera& camera = loaded.camera;
+    model.scene = std::move(loaded.scene);
+    model.file = std::move(loaded.file);
+    model.choice = loaded.choice;
+    model.shown_choice = loaded.choice;
+    model.playing = false;
     model.materials = model.scene->materials();
     model.lights = model.scene->punctual_lights();
     model.environment = model.scene->environment();
@@ -55,8 +67,48 @@ void show_scene(ViewerModel& model, std::shared_ptr<const Scene> scene, const Ca
     edits.scene = true;
     edits.settings = true;
     edits.selection = true;
+    edits.aov = true;
     edits.paused = true;
     edits.pass_limit = true;
+}
+
+void replace_scene(ViewerModel& model, LoadedScene loaded, Edits& edits) {
+    const std::shared_ptr<const Scene> last = std::exchange(model.scene, std::move(loaded.scene));
+    model.shown_choice = loaded.choice;
+    const std::vector<Material>& materials = model.scene->materials();
+    for (std::size_t i = 0; i < std::min(materials.size(), model.materials.size()); ++i) {
+        const bool edited =
+            i < last->materials().size() && model.materials[i] != last->materials()[i];
+        if (edited) {
+            // The table of textures may be another one.
+            for (const MaterialTexture& texture : kMaterialTextures)
+                model.materials[i].*texture.slot = materials[i].*texture.slot;
+            edits.materials.insert(static_cast<uint32_t>(i));
+        } else {
+            model.materials[i] = materials[i];
+        }
+    }
+    model.materials.resize(materials.size());
+    const std::vector<PunctualLight>& lights = model.scene->punctual_lights();
+    const bool same_lights =
+        lights.size() == model.lights.size() && lights.size() == last->punctual_lights().size();
+    for (std::size_t i = 0; same_lights && i < lights.size(); ++i) {
+        if (model.lights[i] == last->punctual_lights()[i]) {
+            model.lights[i] = lights[i];
+        } else {
+            edits.lights.insert(static_cast<uint32_t>(i));
+        }
+    }
+    if (!same_lights) model.lights = lights;
+    if (model.camera >= 0) use_file_camera(model, model.camera);
+    edits.scene = true;
+    edits.same_objects = true;
+}
+
+void advance_animation(ViewerModel& model, double seconds) {
+    const double length = model.choices().last_key();
+    if (!model.playing || !(length > 0)) return;
+    model.choice.seconds = std::fmod(model.choice.seconds.value_or(0) + seconds, length);
 }
 
 void select_object(ViewerModel& model, std::optional<uint32_t> object,
@@ -103,7 +155,7 @@ std::vector<Change> take_changes(const ViewerModel& model, Edits& edits) {
     if (edits.pass_limit) changes.push_back(SetPassLimit{model.pass_limit});
     if (edits.paused) changes.push_back(SetPaused{model.paused});
     if (edits.scene) {
-        changes.push_back(SetScene{model.scene, model.view.camera()});
+        changes.push_back(SetScene{model.scene, model.view.camera(), edits.same_objects});
     } else if (edits.camera) {
         changes.push_back(SetCamera{model.view.camera()});
     }
@@ -111,6 +163,7 @@ std::vector<Change> take_changes(const ViewerModel& model, Edits& edits) {
     for (const uint32_t i : edits.lights) changes.push_back(SetPunctualLight{i, model.lights[i]});
     if (edits.environment) changes.push_back(SetEnvironment{model.environment});
     if (edits.selection) changes.push_back(SetSelection{model.selected_object});
+    if (edits.aov) changes.push_back(SetAov{model.look.aov});
     if (edits.restart) changes.push_back(Restart{});
     edits = Edits();
     return changes;

@@ -15,7 +15,20 @@ std::vector<NotSimulated>& rows() {
     return list;
 }
 
+RunSettings& settings_of_run() {
+    static RunSettings settings;
+    return settings;
+}
+
 }  // namespace
+
+const RunSettings& run_settings() {
+    return settings_of_run();
+}
+
+void set_run_settings(const RunSettings& settings) {
+    settings_of_run() = settings;
+}
 
 bool add_case(HardCase hard_case) {
     cases().push_back(std::move(hard_case));

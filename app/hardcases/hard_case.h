@@ -1,5 +1,6 @@
-// One numerically hard case: what is measured, the naive control that must fail, the gate that Talbot must pass. Each case is one
-// file of cases/, named by its id, and registers itself; adding a case is adding a file.
+// One numerically hard case: what is measured, the naive control that must fail, the gate that
+// Talbot must pass. Each case is one file of cases/, named by its id, and registers itself; adding
+// a case is adding a file.
 #pragma once
 
 #include <cstdint>
@@ -22,12 +23,13 @@ enum class Gate { at_most, at_least };
 
 // One gate of a case: the same inputs given to a naive control and to Talbot.
 struct Measure {
-    std::string metric;         // what is counted, with its unit
-    double naive = 0;           // figure of the control; NaN where this gate has none
-    double own = 0;             // figure of Talbot; NaN fails
+    std::string metric;  // what is counted, with its unit
+    double naive = 0;    // figure of the control; NaN where this gate has none, infinity where
+                         // the control itself has no number
+    double own = 0;      // figure of Talbot; NaN fails
     double limit = 0;
     Gate gate = Gate::at_most;
-    std::string where;          // the worst input, as a line that lets it be repeated; may be empty
+    std::string where;  // the worst input, as a line that lets it be repeated; may be empty
 };
 
 // A figure over a parameter, for the plot of the gallery.
@@ -56,11 +58,12 @@ struct CaseResult {
     std::vector<Measure> measures;  // at least one; at least one with a control that fails its gate
     std::vector<Sweep> sweeps;
     std::vector<CaseImages> images;
-    uint64_t nonfinite = 0;         // samples of renders of this case that were not usable
+    uint64_t nonfinite = 0;  // samples of Talbot's renders of this case that were not usable
+    uint64_t clamped = 0;    // values that Talbot clamped and counted
 };
 
 struct HardCase {
-    std::string id;       // of the catalogue, e.g. "G01"
+    std::string id;  // of the catalogue, e.g. "G01"
     Priority priority = Priority::p0;
     std::string title;
     std::string control;  // what the naive control does
@@ -75,6 +78,14 @@ struct NotSimulated {
     std::string title;
     std::string why;
 };
+
+// Of the run at hand, for cases that start workers or draw random numbers of their own.
+struct RunSettings {
+    unsigned threads = 0;  // of a worker pool; 0 = all cores
+    uint64_t seed = 0;     // random numbers of a case are a function of it
+};
+const RunSettings& run_settings();
+void set_run_settings(const RunSettings& settings);
 
 // Puts a case on the list; the value only makes it usable as an initialiser.
 bool add_case(HardCase hard_case);

@@ -210,7 +210,7 @@ void ErrorTracker::observe(const Film& film, uint64_t passes, double render_seco
                                     static_cast<double>(passes - passes / 2);
     } else {
         // The first of all, or a gap: nothing to compare with before the next power of two.
-        state_.memory = {film.image(false).rgb, {}};
+        state_.memory = {exact_image(film), {}};
         state_.octaves.clear();
         state_.last = OctaveStatistics();
     }

@@ -103,11 +103,16 @@ struct PassImages {
     uint32_t width = 0;
     uint32_t height = 0;
     const FilmPixel* film = nullptr;
-    const Rgb* half = nullptr;
+    const Vec3d* half = nullptr;
     const uint32_t* previous = nullptr;  // null where there is none
-    Rgb* full = nullptr;
+    Vec3d* full = nullptr;
     uint32_t* packed = nullptr;
 };
+
+Vec3d mean_of(const FilmPixel& pixel) {
+    const double n = static_cast<double>(pixel.samples);
+    return Vec3d(pixel.sum[0].value() / n, pixel.sum[1].value() / n, pixel.sum[2].value() / n);
+}
 
 class StripPass {
   public:
@@ -143,17 +148,15 @@ class StripPass {
 
   private:
     struct Change {
-        Rgb mean{0}, difference{0};
+        Vec3d mean{0};
+        Rgb difference{0};
     };
     Change change_of(std::size_t i) const {
         if (images_.film == nullptr) return {images_.full[i], unpack_difference(images_.packed[i])};
-        Change change;
         const FilmPixel& p = images_.film[i];
-        if (p.samples == 0) return change;
-        const double n = static_cast<double>(p.samples);
-        for (int c = 0; c < 3; ++c) change.mean[c] = static_cast<float>(p.sum[c].value() / n);
-        change.difference = change.mean - images_.half[i];
-        return change;
+        if (p.samples == 0) return {};
+        const Vec3d mean = mean_of(p);
+        return {mean, Rgb(mean - images_.half[i])};
     }
 
     void load(uint32_t y, bool keep) {
@@ -162,9 +165,10 @@ class StripPass {
         const std::size_t start = static_cast<std::size_t>(y) * width;
         for (uint32_t x = 0; x < width; ++x) {
             const Change change = change_of(start + x);
-            const Rgb &mean = change.mean, &difference = change.difference;
+            const Rgb mean(change.mean);
+            const Rgb& difference = change.difference;
             if (keep && images_.film != nullptr) {
-                images_.full[start + x] = mean;
+                images_.full[start + x] = change.mean;
                 images_.packed[start + x] = pack_difference(difference);
             }
             for (int c = 0; c < 3; ++c) {
@@ -238,8 +242,8 @@ class StripPass {
             result.magnitudes.add(q);
             blocks[y / kErrorBlock * columns + x / kErrorBlock] += q;
             if (images_.film == nullptr) continue;
-            const double change = static_cast<double>(luminance(images_.full[start + x]) -
-                                                      luminance(images_.half[start + x]));
+            const double change = static_cast<double>(
+                luminance(Rgb(images_.full[start + x] - images_.half[start + x])));
             result.luminance_change += change;
             result.luminance_square += change * change;
         }
@@ -322,13 +326,21 @@ OctaveStatistics run_passes(const PassImages& images, double metric_constant, Wo
 
 }  // namespace
 
+std::vector<Vec3d> exact_image(const Film& film) {
+    std::vector<Vec3d> image;
+    image.reserve(film.pixels().size());
+    for (const FilmPixel& pixel : film.pixels())
+        image.push_back(pixel.samples == 0 ? Vec3d(0) : mean_of(pixel));
+    return image;
+}
+
 OctaveStatistics compare_octave(const Film& film, OctaveMemory& memory, double metric_constant,
                                 WorkerPool* pool) {
     const std::size_t pixels = film.pixels().size();
     TALBOT_CHECK(memory.image.size() == pixels);
     TALBOT_CHECK(memory.difference.empty() || memory.difference.size() == pixels);
     if (pixels == 0) return {};
-    OctaveMemory now{std::vector<Rgb>(pixels), std::vector<uint32_t>(pixels)};
+    OctaveMemory now{std::vector<Vec3d>(pixels), std::vector<uint32_t>(pixels)};
     PassImages images;
     images.width = film.width();
     images.height = film.height();

@@ -26,11 +26,15 @@ struct OctaveStatistics {
     std::vector<float> blocks;  // difference of every block, row by row
 };
 
-// What is kept of a render between two octaves: 16 bytes a pixel.
+// What is kept of a render between two octaves: 28 bytes a pixel. The image is in double, for the
+// difference of two nearly equal images is all that is asked of it.
 struct OctaveMemory {
-    std::vector<Rgb> image;            // at the last power of two
+    std::vector<Vec3d> image;          // at the last power of two
     std::vector<uint32_t> difference;  // to the one before, packed; empty where there is none
 };
+
+// Image of a film in double; black where there is no sample.
+std::vector<Vec3d> exact_image(const Film& film);
 
 // Compares the film with memory.image, its image at half the samples, and brings memory up to date.
 // r is estimated from the 7x7 neighbours and, as far as their spread exceeds the noise, from the

@@ -59,6 +59,30 @@ Rgb repair(uint32_t x, uint32_t y, const Rgb& radiance, uint64_t sample, NonFini
     return repaired;
 }
 
+// What was wrong with a sample that was counted.
+SampleFault fault_of(const NonFiniteCount& before, const NonFiniteCount& after) {
+    if (after.nan != before.nan) return SampleFault::nan;
+    if (after.inf != before.inf) return SampleFault::infinite;
+    if (after.negative != before.negative) return SampleFault::negative;
+    if (after.overflow != before.overflow) return SampleFault::overflow;
+    return SampleFault::none;
+}
+
+// Notes the sample if it stands out against its pixel's earlier ones, and a pixel's first sample if
+// that stands out against the second.
+void judge(const FilmPixel& p, const NotedSample& sample, SampleLog& log) {
+    const double value = static_cast<double>(sample.largest());
+    const double sum = p.largest_sum();
+    if (value * static_cast<double>(p.samples) > kOutlierRatio * sum) log.note_outlier(sample);
+    if (p.samples != 1 || sum <= kOutlierRatio * value) return;
+    NotedSample first = sample;
+    --first.sample;
+    first.radiance =
+        Rgb(static_cast<float>(p.sum[0].value()), static_cast<float>(p.sum[1].value()),
+            static_cast<float>(p.sum[2].value()));
+    log.note_outlier(first);
+}
+
 std::string hex(const unsigned char* bytes, unsigned count) {
     static constexpr char kDigits[] = "0123456789abcdef";
     std::string text;
@@ -99,6 +123,29 @@ void Film::add(uint32_t x, uint32_t y, const Rgb& radiance, bool covered, uint64
     p.sum[0].add(value.x);
     p.sum[1].add(value.y);
     p.sum[2].add(value.z);
+}
+
+void Film::add(uint32_t x, uint32_t y, const Rgb& radiance, bool covered, uint64_t sample,
+               NonFiniteCount& counts, SampleLog& log) {
+    const bool ordinary =
+        is_ordinary(radiance.x) && is_ordinary(radiance.y) && is_ordinary(radiance.z);
+    if (ordinary) {
+        // Hardly any sample gets past this look at one sum of its pixel.
+        const FilmPixel& p = pixel(x, y);
+        const int c = radiance.y > radiance.x ? (radiance.z > radiance.y ? 2 : 1)
+                                              : (radiance.z > radiance.x ? 2 : 0);
+        const float largest = radiance[c];
+        if (p.samples <= 1 ? p.samples == 1
+                           : largest >= log.outlier_threshold() &&
+                                 static_cast<double>(largest) * static_cast<double>(p.samples) >
+                                     kOutlierRatio * p.sum[c].value())
+            judge(p, {x, y, sample, radiance, SampleFault::none}, log);
+        return add(x, y, radiance, covered, sample, counts);
+    }
+    const NonFiniteCount before = counts;
+    add(x, y, radiance, covered, sample, counts);
+    const SampleFault fault = fault_of(before, counts);
+    if (fault != SampleFault::none) log.note_unusable({x, y, sample, radiance, fault});
 }
 
 void Film::clear() {

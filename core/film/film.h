@@ -2,12 +2,14 @@
 // enter as zero and are counted, with the first one's pixel and sample to replay.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "core/film/exact_sum.h"
 #include "core/film/image.h"
+#include "core/film/sample_log.h"
 #include "core/math/vec.h"
 
 namespace talbot {
@@ -32,6 +34,9 @@ struct FilmPixel {
     uint64_t samples = 0;
     uint64_t covered = 0;  // samples whose camera path met a surface before the environment
 
+    // The largest of the three sums.
+    double largest_sum() const { return std::max({sum[0].value(), sum[1].value(), sum[2].value()}); }
+
     bool operator==(const FilmPixel&) const = default;
 };
 
@@ -49,6 +54,9 @@ class Film {
 
     // Adds one sample. Different pixels may be added to from different threads; counts go to the caller's own record.
     void add(uint32_t x, uint32_t y, const Rgb& radiance, bool covered, uint64_t sample, NonFiniteCount& counts);
+    // The same, and notes the sample in the log where it is not usable or stands out. A pixel's samples come one by one.
+    void add(uint32_t x, uint32_t y, const Rgb& radiance, bool covered, uint64_t sample, NonFiniteCount& counts,
+             SampleLog& log);
 
     void clear();
 

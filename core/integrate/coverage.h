@@ -23,15 +23,24 @@ bool accept_coverage(const void* context, const Ray& ray, const Hit& hit) {
     const uint8_t flags = coverage.scene->coverage_flags(hit.id);
     if (flags == 0) return true;
     const Scene& scene = coverage.scene->scene();
-    const bool ask_side = coverage.camera_ray && (flags & kCoverageSingleSided) != 0;
-    if (!ask_side && (flags & kCoverageAlpha) == 0) return true;
-    const SurfaceInteraction si = make_surface_interaction<kTier>(scene, ray, hit);
-    if (ask_side && !si.front) return false;
+    const bool ask_side = kTier.has(Effect::single_sided) && coverage.camera_ray &&
+                          (flags & kCoverageSingleSided) != 0;
+    TriangleCoverage texels = TriangleCoverage::opaque;
     if constexpr (kTier.has(Effect::alpha_mask) || kTier.has(Effect::alpha_blend)) {
         if ((flags & kCoverageAlpha) != 0) {
+            texels = coverage.scene->triangle_coverage(hit.id);
+            if (texels == TriangleCoverage::clear) return false;
+        }
+    }
+    if (!ask_side && texels == TriangleCoverage::opaque) return true;
+    const SurfaceInteraction si = make_surface_interaction<kTier>(scene, ray, hit, true);
+    if (ask_side && !si.front) return false;
+    if constexpr (kTier.has(Effect::alpha_mask) || kTier.has(Effect::alpha_blend)) {
+        if (texels == TriangleCoverage::mixed) {
             const Material& material = scene.materials()[si.material];
             const float alpha = eval_base_color<kTier>(scene, material, si).w;
-            if (material.alpha_mode == AlphaMode::mask) return alpha >= material.alpha_cutoff;
+            if (kTier.has(Effect::alpha_mask) && material.alpha_mode == AlphaMode::mask)
+                return alpha >= material.alpha_cutoff;
             const uint32_t hash =
                 hash_combine(hash_combine(coverage.seed, hit.id.instance), hit.id.primitive);
             return unit_float(hash) < alpha;

@@ -25,6 +25,7 @@ struct TileCounts {
     uint64_t samples = 0;
     uint64_t rays = 0;
     NonFiniteCount nonfinite;
+    SampleLog log;
 };
 
 // Stops between two samples when asked to.

@@ -1,9 +1,10 @@
 #include "core/integrate/tile_kernel.h"
+#include "core/scene/compiled_effects.h"
 
 namespace talbot {
 
 void render_tile_full(const TileJob& job, const std::stop_token& stop, TileCounts& counts) {
-    render_tile<kFullTier>(job, stop, counts);
+    render_tile<kFullTier & kCompiledEffects>(job, stop, counts);
 }
 
 }  // namespace talbot

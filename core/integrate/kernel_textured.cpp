@@ -1,9 +1,10 @@
 #include "core/integrate/tile_kernel.h"
+#include "core/scene/compiled_effects.h"
 
 namespace talbot {
 
 void render_tile_textured(const TileJob& job, const std::stop_token& stop, TileCounts& counts) {
-    render_tile<kTexturedTier>(job, stop, counts);
+    render_tile<kTexturedTier & kCompiledEffects>(job, stop, counts);
 }
 
 }  // namespace talbot

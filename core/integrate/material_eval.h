@@ -14,7 +14,7 @@ Vec4f eval_base_color(const Scene& scene, const Material& material, const Surfac
     if constexpr (kTier.has(Effect::vertex_color)) color *= si.color;
     if constexpr (kTier.has(Effect::base_color_texture)) {
         if (material.base_color_texture.used()) {
-            color *= eval_slot(scene, material.base_color_texture, si, TextureEncoding::srgb);
+            color *= eval_slot<kTier>(scene, material.base_color_texture, si, TextureEncoding::srgb);
         }
     }
     return color;
@@ -30,7 +30,7 @@ ShadingParams eval_shading_params(const Scene& scene, const Material& material,
     if constexpr (kTier.has(Effect::metallic_roughness_texture)) {
         if (material.metallic_roughness_texture.used()) {
             const Vec4f texel =
-                eval_slot(scene, material.metallic_roughness_texture, si, TextureEncoding::linear);
+                eval_slot<kTier>(scene, material.metallic_roughness_texture, si, TextureEncoding::linear);
             roughness *= texel.y;
             params.metallic *= texel.z;
         }
@@ -42,38 +42,38 @@ ShadingParams eval_shading_params(const Scene& scene, const Material& material,
         params.specular_color = material.specular_color_factor;
         if (material.specular_texture.used()) {
             params.specular *=
-                eval_slot(scene, material.specular_texture, si, TextureEncoding::linear).w;
+                eval_slot<kTier>(scene, material.specular_texture, si, TextureEncoding::linear).w;
         }
         if (material.specular_color_texture.used()) {
             params.specular_color *=
-                Rgb(eval_slot(scene, material.specular_color_texture, si, TextureEncoding::srgb));
+                Rgb(eval_slot<kTier>(scene, material.specular_color_texture, si, TextureEncoding::srgb));
         }
     }
     if constexpr (kTier.has(Effect::transmission)) {
         params.transmission = material.transmission_factor;
         if (material.transmission_texture.used()) {
             params.transmission *=
-                eval_slot(scene, material.transmission_texture, si, TextureEncoding::linear).x;
+                eval_slot<kTier>(scene, material.transmission_texture, si, TextureEncoding::linear).x;
         }
     }
     if constexpr (kTier.has(Effect::transmission) || kTier.has(Effect::diffuse_transmission)) {
         params.thin = !(material.thickness_factor > 0);
     }
     if constexpr (kTier.has(Effect::clearcoat)) {
-        if (material.clearcoat_factor > 0) eval_clearcoat(scene, material, si, params);
+        if (material.clearcoat_factor > 0) eval_clearcoat<kTier>(scene, material, si, params);
     }
     if constexpr (kTier.has(Effect::sheen)) {
-        if (material.has_sheen()) eval_sheen(scene, material, si, params);
+        if (material.has_sheen()) eval_sheen<kTier>(scene, material, si, params);
     }
     if constexpr (kTier.has(Effect::diffuse_transmission)) {
         if (material.diffuse_transmission_factor > 0)
-            eval_diffuse_transmission(scene, material, si, params);
+            eval_diffuse_transmission<kTier>(scene, material, si, params);
     }
     if constexpr (kTier.has(Effect::anisotropy)) {
-        if (material.anisotropy_strength > 0) eval_anisotropy(scene, material, si, params);
+        if (material.anisotropy_strength > 0) eval_anisotropy<kTier>(scene, material, si, params);
     }
     if constexpr (kTier.has(Effect::iridescence)) {
-        if (material.iridescence_factor > 0) eval_iridescence(scene, material, si, params);
+        if (material.iridescence_factor > 0) eval_iridescence<kTier>(scene, material, si, params);
     }
     return params;
 }
@@ -85,38 +85,16 @@ void apply_normal_map(const Scene& scene, const Material& material, SurfaceInter
     if constexpr (kTier.has(Effect::clearcoat)) {
         si.coat_normal = si.shading.n;
         if (material.clearcoat_factor > 0 && material.clearcoat_normal_texture.used()) {
-            mapped_normal(scene, material.clearcoat_normal_texture, material.clearcoat_normal_scale,
+            mapped_normal<kTier>(scene, material.clearcoat_normal_texture, material.clearcoat_normal_scale,
                           si, si.coat_normal);
         }
     }
     if constexpr (kTier.has(Effect::normal_map)) {
         if (!material.normal_texture.used()) return;
         Vec3f n(0);
-        if (mapped_normal(scene, material.normal_texture, material.normal_scale, si, n))
+        if (mapped_normal<kTier>(scene, material.normal_texture, material.normal_scale, si, n))
             si.shading = Frame::from_normal(n);
     }
-}
-
-// Absorption per metre that gives white light the material's attenuation colour after its
-// attenuation distance.
-inline Rgb absorption(const Material& material) {
-    Rgb sigma(0);
-    if (!is_finite(material.attenuation_distance) || !(material.attenuation_distance > 0))
-        return sigma;
-    for (int c = 0; c < 3; ++c) {
-        const float color = clamp01(material.attenuation_color[c]);
-        sigma[c] = color > 0 ? -std::log(color) / material.attenuation_distance : kInfinity;
-    }
-    return sigma;
-}
-
-// Beer-Lambert transmittance over a distance >= 0; a channel without absorption keeps 1 exactly.
-inline Rgb transmittance(const Rgb& sigma, float distance) {
-    Rgb t(1);
-    for (int c = 0; c < 3; ++c) {
-        if (sigma[c] > 0) t[c] = distance > 0 ? std::exp(-sigma[c] * distance) : 1.0f;
-    }
-    return t;
 }
 
 }  // namespace talbot

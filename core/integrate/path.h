@@ -7,10 +7,13 @@
 #pragma once
 
 #include "core/integrate/coverage.h"
+#include "core/integrate/medium_stack.h"
 #include "core/integrate/pixel_filter.h"
 #include "core/integrate/sampler.h"
 #include "core/scattering/bsdf.h"
 #include "core/scattering/dispersion.h"
+#include "core/scattering/henyey_greenstein.h"
+#include "core/scattering/medium.h"
 
 namespace talbot {
 
@@ -23,10 +26,39 @@ struct PathSample {
     uint32_t rays = 0;
 };
 
-// Steps that a replay writes down; a kernel's recorder does nothing and costs nothing.
+// Steps that a replay writes down; a kernel's recorder does nothing and costs nothing. One that
+// tampers changes values on their way, to prove that what is wrong with a sample is noticed.
 struct NoRecorder {
     static constexpr bool kActive = false;
+    static constexpr bool kTampers = false;
 };
+
+// Values of a path that a tampering recorder is shown.
+enum class PathValue : uint8_t {
+    environment,
+    environment_pdf,
+    emission,
+    emission_pdf,
+    transmittance,
+    base_color,
+    light,
+    light_pdf,
+    bsdf_value,
+    bsdf_pdf,
+    bsdf_weight,
+    bsdf_sample_pdf,
+};
+
+template <typename Recorder, typename T>
+void show_value(Recorder& recorder, PathValue what, T& value) {
+    if constexpr (Recorder::kTampers) recorder.tamper(what, value);
+}
+
+// What fills the space inside these volumes.
+inline Medium medium_inside(const MediumStack& media, std::span<const Material> materials) {
+    const uint32_t top = media.top(materials);
+    return top == kVacuum ? Medium{} : medium_of(materials[top]);
+}
 
 // State of one path between two vertices.
 struct PathState {
@@ -40,8 +72,27 @@ struct PathState {
     Vec3f from{0};               // the last vertex
     Vec3f n_from{0};             // its normal as light sampling was given it
     float wavelength = 0;        // nanometres; 0 until a dispersive surface is met
-    Rgb sigma_a{0};              // absorption of the medium that the ray crosses
+    MediumStack media;           // volumes that the ray is inside of
+    Medium medium;               // of the one that fills the space
+    uint32_t false_boundaries = 0;   // crossed ones that were no surfaces
+    uint32_t medium_events = 0;  // times that the path scattered inside media
+
+    // Goes on inside other volumes than before.
+    void enter(const MediumStack& now, std::span<const Material> materials) {
+        media = now;
+        medium = medium_inside(now, materials);
+    }
 };
+
+// Light leaves a thick body that absorbs nothing after n events about as n^-1.5: after the first of
+// these many a path survives to event n with a chance as n^-0.5, which keeps both the time and the
+// variance small; after the second it soon ends, so that none goes on for ever.
+inline constexpr uint32_t kLongWalk = 256;
+inline constexpr uint32_t kEndlessWalk = 16384;
+
+template <EffectSet kTier>
+inline constexpr bool kHasVolumes =
+    kTier.has(Effect::transmission) || kTier.has(Effect::diffuse_transmission);
 
 template <EffectSet kTier>
 inline constexpr bool kHasAlpha = kTier.has(Effect::alpha_mask) || kTier.has(Effect::alpha_blend);
@@ -50,10 +101,9 @@ inline constexpr bool kHasAlpha = kTier.has(Effect::alpha_mask) || kTier.has(Eff
 template <EffectSet kTier>
 bool intersect(const RenderScene& rs, const Sampler& sampler, uint32_t bounce, const Ray& ray,
                Hit& hit) {
-    const uint8_t asked =
-        kHasAlpha<kTier> ? (kCoverageAlpha | kCoverageSingleSided) : kCoverageSingleSided;
-    const uint8_t relevant =
-        rs.any_coverage() & (bounce == 0 ? asked : static_cast<uint8_t>(asked & kCoverageAlpha));
+    constexpr uint8_t kAlpha = kHasAlpha<kTier> ? kCoverageAlpha : 0;
+    constexpr uint8_t kSide = kTier.has(Effect::single_sided) ? kCoverageSingleSided : 0;
+    const uint8_t relevant = rs.any_coverage() & (bounce == 0 ? kAlpha | kSide : kAlpha);
     // Most hits need no question: the filter is asked of the nearest one, and traversal runs again
     // with it only where that one is no hit.
     if (!rs.scene().accel().closest(ray, hit)) return false;
@@ -73,48 +123,150 @@ bool is_occluded(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
 }
 
 // Light of the environment that the ray escapes to.
-inline void add_environment(const RenderScene& rs, const PathSettings& settings, uint32_t bounce,
-                            const Ray& ray, PathState& path) {
+template <EffectSet kTier, typename Recorder>
+void add_environment(const RenderScene& rs, const PathSettings& settings, uint32_t bounce,
+                     const Ray& ray, PathState& path, Recorder& recorder) {
+    if constexpr (!kTier.has(Effect::environment)) return;
     const EnvironmentLight& environment = rs.lights().environment();
     if (environment.is_black() || (bounce == 0 && settings.transparent_background)) return;
     float weight = 1;
     if (!path.specular && settings.next_event_estimation) {
-        weight = power_heuristic(path.bsdf_pdf, rs.lights().pdf_environment(ray.d));
+        float pdf = rs.lights().pdf_environment(ray.d);
+        show_value(recorder, PathValue::environment_pdf, pdf);
+        weight = power_heuristic(path.bsdf_pdf, pdf);
     }
-    path.Li += path.beta * weight * environment.eval(ray.d);
+    Rgb Le = environment.eval(ray.d);
+    show_value(recorder, PathValue::environment, Le);
+    path.Li += path.beta * weight * Le;
 }
 
 // Light that the surface itself sends back along the ray.
-inline void add_emission(const RenderScene& rs, const PathSettings& settings, const Ray& ray,
-                         const Material& material, const SurfaceInteraction& si, PathState& path) {
-    if (!material.is_emissive()) return;
-    const Rgb Le = emitted_radiance(rs.scene(), material, si.uv[0], si.uv[1], si.front,
-                                    std::abs(dot(ray.d, si.n_geometric)));
+template <EffectSet kTier, typename Recorder>
+void add_emission(const RenderScene& rs, const PathSettings& settings, const Ray& ray,
+                  const Material& material, const SurfaceInteraction& si, PathState& path,
+                  Recorder& recorder) {
+    if (!kTier.has(Effect::emissive_meshes) || !material.is_emissive()) return;
+    Rgb Le = emitted_radiance(rs.scene(), material, si.uv[0], si.uv[1], si.front,
+                              std::abs(dot(ray.d, si.n_geometric)));
+    show_value(recorder, PathValue::emission, Le);
     if (is_black(Le)) return;
     float weight = 1;
     if (!path.specular && settings.next_event_estimation) {
-        weight = power_heuristic(path.bsdf_pdf,
-                                 rs.lights().pdf_surface(path.from, path.n_from, si.id, si.p));
+        float pdf = rs.lights().pdf_surface(path.from, path.n_from, si.id, si.p);
+        show_value(recorder, PathValue::emission_pdf, pdf);
+        weight = power_heuristic(path.bsdf_pdf, pdf);
     }
     path.Li += path.beta * weight * Le;
 }
 
 // Next-event estimation: one light, one shadow ray.
-template <EffectSet kTier>
+template <EffectSet kTier, typename Recorder>
 void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
                       const Bounce& numbers, const SurfaceInteraction& si, const Vec3f& n_lit,
-                      const Bsdf<kTier>& bsdf, PathState& path, uint32_t& rays) {
-    const std::optional<LightSample> light =
-        rs.lights().sample(rs.scene(), si.p, n_lit, numbers.light_choice(), numbers.light());
-    if (!light || is_black(light->radiance)) return;
-    const BsdfEval f = bsdf.eval(light->wi);
+                      const Bsdf<kTier>& bsdf, const Crossing& crossing, PathState& path,
+                      uint32_t& rays, Recorder& recorder) {
+    std::optional<LightSample> light = rs.lights().sample(
+        rs.scene(), si.lit_point(), n_lit, numbers.light_choice(), numbers.light());
+    if (!light) return;
+    show_value(recorder, PathValue::light, light->radiance);
+    show_value(recorder, PathValue::light_pdf, light->pdf);
+    if (is_black(light->radiance)) return;
+    BsdfEval f = bsdf.eval(light->wi);
+    show_value(recorder, PathValue::bsdf_value, f.f_cos);
+    show_value(recorder, PathValue::bsdf_pdf, f.pdf);
     if (is_black(f.f_cos)) return;
     const Ray shadow =
         light->infinite ? si.spawn(light->wi) : si.spawn_to(light->target, light->id);
     ++rays;
     if (is_occluded<kTier>(rs, sampler, bounce, shadow)) return;
     const float weight = light->delta ? 1.0f : power_heuristic(light->pdf, f.pdf);
-    path.Li += path.beta * f.f_cos * light->radiance * (weight / light->pdf);
+    Rgb through(1);
+    if constexpr (kHasVolumes<kTier>) {
+        // A light inside a volume; from outside of all the boundary itself is in the way.
+        if (!light->infinite) {
+            const bool crosses = (dot(light->wi, si.n_geometric) > 0) != si.front;
+            const Rgb sigma =
+                crosses ? medium_inside(crossing.after, rs.scene().materials()).sigma_t
+                        : path.medium.sigma_t;
+            if (!is_black(sigma)) through = transmittance(sigma, length(light->target - si.p));
+        }
+    }
+    path.Li += path.beta * f.f_cos * light->radiance * through * (weight / light->pdf);
+}
+
+// Next-event estimation where the path scatters inside a medium.
+template <EffectSet kTier>
+void add_direct_light_in_medium(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
+                                const Bounce& numbers, const Ray& ray, const Vec3f& p,
+                                PathState& path, uint32_t& rays) {
+    const std::optional<LightSample> light =
+        rs.lights().sample(rs.scene(), p, Vec3f(0), numbers.light_choice(), numbers.light());
+    // No light from outside of all comes in unbent.
+    if (!light || light->infinite || is_black(light->radiance)) return;
+    Ray shadow;
+    shadow.o = p;
+    shadow.d = light->target - p;
+    shadow.t_max = 1;
+    shadow.skip_to = light->id;
+    ++rays;
+    if (is_occluded<kTier>(rs, sampler, bounce, shadow)) return;
+    const float phase = HenyeyGreenstein(path.medium.g).pdf(ray.d, light->wi);
+    const float weight = light->delta ? 1.0f : power_heuristic(light->pdf, phase);
+    const Rgb through = transmittance(path.medium.sigma_t, length(shadow.d));
+    path.Li += path.beta * phase * light->radiance * through * (weight / light->pdf);
+}
+
+// Russian roulette with survival probability at most 1; false ends the path.
+inline bool survives(float q, float u, PathState& path) {
+    if (!(q < 1)) return true;
+    if (u >= q) return false;
+    path.beta /= q;
+    return true;
+}
+
+// What the path can still bring.
+inline float survival(const PathState& path) {
+    return std::max(max_component(path.beta) * path.eta_scale, kMinSurvival);
+}
+
+inline float walk_survival(uint32_t event) {
+    constexpr float kLast = 0.99f;
+    const auto n = static_cast<float>(event);
+    return event > kEndlessWalk ? kLast : std::sqrt((n - 1) / n);
+}
+
+enum class MediumEvent { none, scattered, ended };
+
+// A ray inside a scattering medium, up to t_max: scatters on the way, and then `ray` is the one that
+// goes on, or reaches its end.
+template <EffectSet kTier>
+MediumEvent cross_medium(const RenderScene& rs, const PathSettings& settings,
+                         const Sampler& sampler, uint32_t bounce, float t_max, Ray& ray,
+                         PathState& path, uint32_t& rays) {
+    const MediumSample sample =
+        sample_medium(path.medium, path.beta, t_max, sampler.pair(medium_pair(bounce)));
+    path.beta *= sample.weight;
+    if (is_black(path.beta)) return MediumEvent::ended;
+    if (!sample.scattered) return MediumEvent::none;
+    const Bounce numbers = sampler.bounce(bounce);
+    const Vec3f p = ray.o + sample.t * ray.d;
+    if (settings.next_event_estimation && rs.lights().can_sample())
+        add_direct_light_in_medium<kTier>(rs, sampler, bounce, numbers, ray, p, path, rays);
+    const HenyeyGreenstein phase(path.medium.g);
+    const Vec3f wi = phase.sample(ray.d, numbers.bsdf());
+    path.bsdf_pdf = phase.pdf(ray.d, wi);
+    path.specular = false;
+    path.specular_chain = false;
+    path.from = p;
+    path.n_from = Vec3f(0);
+    float q = 1;
+    if (settings.russian_roulette && bounce >= kRouletteStart) q = survival(path);
+    if (++path.medium_events > kLongWalk) q = std::min(q, walk_survival(path.medium_events));
+    if (!survives(q, numbers.roulette(), path)) return MediumEvent::ended;
+    ray = Ray{};
+    ray.o = p;
+    ray.d = wi;
+    return MediumEvent::scattered;
 }
 
 // The index at the path's wavelength, which is drawn here if the path has none yet.
@@ -125,8 +277,15 @@ inline void disperse(const Sampler& sampler, const Material& material, ShadingPa
         path.wavelength = hero.nanometres;
         path.beta *= hero.weight;
     }
-    if (params.ior > 1)
-        params.ior = dispersed_ior(params.ior, material.dispersion, path.wavelength);
+    params.ior = dispersed_ior(params.ior, material.dispersion, path.wavelength);
+}
+
+// Index of a volume against what lies around it; 0 stays 0, which means Fresnel 1 everywhere.
+inline float relative_ior(float ior, const Material& around, float wavelength) {
+    float other = around.ior;
+    if (wavelength > 0 && around.dispersion > 0 && other > 1)
+        other = dispersed_ior(other, around.dispersion, wavelength);
+    return other > 0 ? ior / other : ior;
 }
 
 template <EffectSet kTier, typename Recorder>
@@ -134,7 +293,8 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
                       uint32_t x, uint32_t y, uint64_t sample_index, Recorder& recorder) {
     const Sampler sampler(settings.sampler, settings.seed, x, y, sample_index);
     const Vec2f offset = sample_pixel_filter(settings.filter, sampler.pair(Purpose::pixel));
-    const Vec2f lens = camera.has_lens() ? sampler.pair(Purpose::lens) : Vec2f(0);
+    Vec2f lens(0);
+    if (kTier.has(Effect::depth_of_field) && camera.has_lens()) lens = sampler.pair(Purpose::lens);
     Ray ray = camera.ray(static_cast<float>(x) + offset.x, static_cast<float>(y) + offset.y, lens);
     PathSample result;
     PathState path;
@@ -144,33 +304,74 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         ++result.rays;
         const bool found = intersect<kTier>(rs, sampler, bounce, ray, hit);
         if constexpr (Recorder::kActive) recorder.ray(bounce, ray, found, hit, path);
+        if constexpr (kTier.has(Effect::scattering_medium)) {
+            if (path.medium.scatters()) {
+                const MediumEvent event =
+                    cross_medium<kTier>(rs, settings, sampler, bounce, found ? hit.t : kInfinity,
+                                        ray, path, result.rays);
+                if (event == MediumEvent::ended) break;
+                if (event == MediumEvent::scattered) {
+                    if constexpr (Recorder::kActive) recorder.in_medium(bounce, ray.o, path);
+                    continue;
+                }
+            }
+        }
         if (!found) {
-            add_environment(rs, settings, bounce, ray, path);
+            add_environment<kTier>(rs, settings, bounce, ray, path, recorder);
+            if constexpr (Recorder::kActive) recorder.seen(bounce, path);
             break;
         }
         result.covered = true;
         SurfaceInteraction si = make_surface_interaction<kTier>(rs.scene(), ray, hit);
         const Material& material = rs.scene().materials()[si.material];
-        if constexpr (kTier.has(Effect::volume_absorption)) {
-            if (!is_black(path.sigma_a)) path.beta *= transmittance(path.sigma_a, hit.t);
+        Crossing crossing;
+        if constexpr (kHasVolumes<kTier>) {
+            crossing.after = path.media;
+            if (!path.medium.scatters() && !is_black(path.medium.sigma_t)) {
+                Rgb left = transmittance(path.medium.sigma_t, hit.t);
+                show_value(recorder, PathValue::transmittance, left);
+                path.beta *= left;
+            }
+            if (material.is_volume()) {
+                crossing = cross_boundary(path.media, rs.scene().materials(), si.material, si.front);
+                if (!crossing.real) {
+                    // Light sampling does not see through: what lies behind is left to this path.
+                    path.enter(crossing.after, rs.scene().materials());
+                    path.specular = true;
+                    ++path.false_boundaries;
+                    ray = si.spawn(ray.d);
+                    continue;
+                }
+            }
         }
         if constexpr (kTier.has(Effect::unlit)) {
             if (material.unlit) {
                 // Seen as it is by the camera and in mirrors; it does not light other surfaces.
                 if (path.specular_chain)
                     path.Li += path.beta * Rgb(eval_base_color<kTier>(rs.scene(), material, si));
+                if constexpr (Recorder::kActive) recorder.seen(bounce, path);
                 break;
             }
         }
-        add_emission(rs, settings, ray, material, si, path);
-        if (bounce == settings.max_depth) break;
+        add_emission<kTier>(rs, settings, ray, material, si, path, recorder);
+        if constexpr (Recorder::kActive) recorder.seen(bounce, path);
+        uint32_t depth = bounce;
+        if constexpr (kHasVolumes<kTier>) depth -= path.false_boundaries + path.medium_events;
+        if (depth == settings.max_depth) break;
 
         // The surface: everything below sees it from wo's side.
         apply_normal_map<kTier>(rs.scene(), material, si);
         ShadingParams params = eval_shading_params<kTier>(rs.scene(), material, si);
+        show_value(recorder, PathValue::base_color, params.base_color);
         if constexpr (kTier.has(Effect::dispersion)) {
-            if (material.dispersion > 0 && params.transmission > 0 && !params.thin)
+            if (material.dispersion > 0 && material.ior > 1 && params.transmission > 0 &&
+                params.metallic < 1 && !params.thin)
                 disperse(sampler, material, params, path);
+        }
+        if constexpr (kHasVolumes<kTier>) {
+            if (crossing.other != kVacuum)
+                params.ior = relative_ior(params.ior, rs.scene().materials()[crossing.other],
+                                          path.wavelength);
         }
         const float side = si.front ? 1.0f : -1.0f;
         Frame frame = si.shading;
@@ -178,13 +379,15 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
             frame.n = -frame.n;
             frame.t = -frame.t;
         }
-        const Bsdf<kTier> bsdf(params, frame, side * si.n_geometric, -ray.d,
-                               si.front || params.thin);
+        const bool lit_through = is_lit_through(params);
+        if (lit_through) si.lift = Vec3f(0);
+        const Vec3f n_surface = side * si.n_surface();
+        const Bsdf<kTier> bsdf(params, frame, n_surface, -ray.d, si.front || params.thin);
         const Bounce numbers = sampler.bounce(bounce);
-        const Vec3f n_lit = is_lit_through(params) ? Vec3f(0) : side * si.n_geometric;
+        const Vec3f n_lit = lit_through ? Vec3f(0) : n_surface;
         if (settings.next_event_estimation && bsdf.has_smooth_lobe() && rs.lights().can_sample()) {
-            add_direct_light<kTier>(rs, sampler, bounce, numbers, si, n_lit, bsdf, path,
-                                    result.rays);
+            add_direct_light<kTier>(rs, sampler, bounce, numbers, si, n_lit, bsdf, crossing,
+                                    path, result.rays, recorder);
         }
 
         // Where the path goes on.
@@ -192,7 +395,13 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         if constexpr (kTier.has(Effect::glossy) || kTier.has(Effect::transmission)) {
             u_lobe = numbers.lobe();
         }
-        const std::optional<BsdfSample> scattered = bsdf.sample(u_lobe, numbers.bsdf());
+        std::optional<BsdfSample> scattered = bsdf.sample(u_lobe, numbers.bsdf());
+        if constexpr (Recorder::kTampers) {
+            if (scattered) {
+                recorder.tamper(PathValue::bsdf_weight, scattered->weight);
+                recorder.tamper(PathValue::bsdf_sample_pdf, scattered->pdf);
+            }
+        }
         if constexpr (Recorder::kActive)
             recorder.vertex(bounce, si, material, params, scattered, path);
         if (!scattered) break;
@@ -201,21 +410,16 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         path.bsdf_pdf = scattered->pdf;
         path.specular = scattered->delta;
         path.specular_chain = path.specular_chain && scattered->delta;
-        path.from = si.p;
+        path.from = si.lit_point();
         path.n_from = n_lit;
         if constexpr (kTier.has(Effect::transmission) || kTier.has(Effect::diffuse_transmission)) {
             path.eta_scale *= scattered->eta * scattered->eta;
             if (scattered->transmitted && !params.thin)
-                path.sigma_a = si.front ? absorption(material) : Rgb(0);
+                path.enter(crossing.after, rs.scene().materials());
         }
 
-        // Russian roulette on what the path can still bring.
         if (settings.russian_roulette && bounce >= kRouletteStart) {
-            const float q = std::max(max_component(path.beta) * path.eta_scale, kMinSurvival);
-            if (q < 1) {
-                if (numbers.roulette() >= q) break;
-                path.beta /= q;
-            }
+            if (!survives(survival(path), numbers.roulette(), path)) break;
         }
         ray = si.spawn(scattered->wi);
     }

@@ -1,5 +1,7 @@
 #include "core/integrate/path_kinds.h"
 
+#include "core/integrate/tiers.h"
+
 namespace talbot {
 namespace {
 
@@ -9,6 +11,7 @@ constexpr float kSharpPdf = 500;
 }  // namespace
 
 PathKind PathSorter::kind() const {
+    if (in_media_) return PathKind::volume;
     if (broad_ == 0) return sharp_ == 0 ? PathKind::seen : PathKind::mirrored;
     if (last_sharp_) return PathKind::caustic;
     return broad_ == 1 ? PathKind::direct : PathKind::indirect;
@@ -27,46 +30,57 @@ PathSample PathSorter::trace(uint32_t x, uint32_t y, uint64_t sample_index) {
     sorted_ = Rgb(0);
     sharp_ = broad_ = 0;
     last_sharp_ = false;
-    const PathSample sample = observe_path(scene_, camera_, settings_, x, y, sample_index, *this);
-    // The end of the path has no vertex.
-    const uint32_t source = found_ ? scene_.scene().object_of(hit_.id) : kEnvironmentSource;
-    add(kind(), source, sample.Li - sorted_);
+    in_media_ = false;
+    const PathSample sample =
+        observe_path(scene_, camera_, settings_, x, y, sample_index, *this);
+    // An unlit surface ends the path without a word.
+    add(kind(), end_of_ray(), sample.Li - sorted_);
     return sample;
 }
 
-void PathSorter::ray(uint32_t, const Ray& ray, bool found, const Hit& hit, const PathState& path) {
-    ray_ = ray;
-    hit_ = hit;
-    found_ = found;
+uint32_t PathSorter::end_of_ray() const {
+    return found_ ? scene_.scene().object_of(hit_.id) : kEnvironmentSource;
+}
+
+// What the path has brought since the last call.
+void PathSorter::sort(PathKind kind, uint32_t source, const PathState& path) {
+    add(kind, source, path.Li - sorted_);
     sorted_ = path.Li;
 }
 
-void PathSorter::vertex(uint32_t bounce, const SurfaceInteraction& si, const Material& material,
+void PathSorter::ray(uint32_t, const Ray&, bool found, const Hit& hit, const PathState&) {
+    hit_ = hit;
+    found_ = found;
+}
+
+void PathSorter::seen(uint32_t, const PathState& path) {
+    sort(kind(), end_of_ray(), path);
+}
+
+void PathSorter::in_medium(uint32_t, const Vec3f&, const PathState& path) {
+    in_media_ = true;
+    // Lights inside the body; which one is not told.
+    sort(PathKind::volume, end_of_ray(), path);
+}
+
+void PathSorter::vertex(uint32_t bounce, const SurfaceInteraction& si, const Material&,
                         const ShadingParams& params, const std::optional<BsdfSample>& scattered,
                         const PathState& path) {
-    const Rgb added = path.Li - sorted_;
-    sorted_ = path.Li;
-    if (!is_black(added)) {
-        PathState emission = path;
-        emission.Li = Rgb(0);
-        add_emission(scene_, settings_, ray_, material, si, emission);
-        add(kind(), scene_.scene().object_of(si.id), emission.Li);
-        const Rgb sampled = added - emission.Li;
-        if (!is_black(sampled)) {
-            // The light that was drawn, once more.
-            const Sampler sampler(settings_.sampler, settings_.seed, x_, y_, sample_);
-            const Bounce numbers = sampler.bounce(bounce);
-            const Vec3f n =
-                is_lit_through(params) ? Vec3f(0) : (si.front ? 1.0f : -1.0f) * si.n_geometric;
-            const std::optional<LightSample> light = scene_.lights().sample(
-                scene_.scene(), si.p, n, numbers.light_choice(), numbers.light());
-            // Without one the rest is rounding.
-            const uint32_t source = !light            ? scene_.scene().object_of(si.id)
-                                    : light->delta    ? kPunctualSource
-                                    : light->infinite ? kEnvironmentSource
-                                                      : scene_.scene().object_of(light->id);
-            add(broad_ == 0 ? PathKind::direct : PathKind::indirect, source, sampled);
-        }
+    if (path.Li != sorted_) {
+        // The light that was drawn, once more.
+        const Sampler sampler(settings_.sampler, settings_.seed, x_, y_, sample_);
+        const Bounce numbers = sampler.bounce(bounce);
+        const Vec3f n =
+            is_lit_through(params) ? Vec3f(0) : (si.front ? 1.0f : -1.0f) * si.n_surface();
+        const std::optional<LightSample> light = scene_.lights().sample(
+            scene_.scene(), si.lit_point(), n, numbers.light_choice(), numbers.light());
+        const uint32_t source = !light || light->delta ? kPunctualSource
+                                : light->infinite      ? kEnvironmentSource
+                                                       : scene_.scene().object_of(light->id);
+        const PathKind drawn = in_media_     ? PathKind::volume
+                               : broad_ == 0 ? PathKind::direct
+                                             : PathKind::indirect;
+        sort(drawn, source, path);
     }
     if (!scattered) return;
     last_sharp_ = scattered->delta || scattered->pdf > kSharpPdf;

@@ -18,8 +18,9 @@ enum class PathKind : uint8_t {
     direct,    // light on the first broad vertex
     indirect,  // light on a later one
     caustic,   // light that reached a broad vertex by sharp ones
+    volume,    // light that scattered inside a medium
 };
-inline constexpr std::size_t kPathKinds = 5;
+inline constexpr std::size_t kPathKinds = 6;
 
 struct PathKindInfo {
     PathKind kind;
@@ -32,6 +33,7 @@ inline constexpr std::array<PathKindInfo, kPathKinds> kPathKindTable{{
     {PathKind::direct, "direct", "direct light"},
     {PathKind::indirect, "indirect", "indirect light"},
     {PathKind::caustic, "caustic", "caustics"},
+    {PathKind::volume, "volume", "light scattered inside volumes"},
 }};
 
 // Where light comes from: an emissive object by its index, or one of these.
@@ -56,12 +58,16 @@ class PathSorter final : public PathObserver {
 
     void ray(uint32_t bounce, const Ray& ray, bool found, const Hit& hit,
              const PathState& path) override;
+    void seen(uint32_t bounce, const PathState& path) override;
+    void in_medium(uint32_t bounce, const Vec3f& p, const PathState& path) override;
     void vertex(uint32_t bounce, const SurfaceInteraction& si, const Material& material,
                 const ShadingParams& params, const std::optional<BsdfSample>& scattered,
                 const PathState& path) override;
 
   private:
     PathKind kind() const;
+    uint32_t end_of_ray() const;
+    void sort(PathKind kind, uint32_t source, const PathState& path);
     void add(PathKind kind, uint32_t source, const Rgb& radiance);
 
     const RenderScene& scene_;
@@ -70,12 +76,12 @@ class PathSorter final : public PathObserver {
     std::vector<Part> parts_;
     uint32_t x_ = 0, y_ = 0;
     uint64_t sample_ = 0;
-    Ray ray_;
     Hit hit_;
     bool found_ = false;
     Rgb sorted_{0};  // of the path's radiance
     uint32_t sharp_ = 0, broad_ = 0;
     bool last_sharp_ = false;
+    bool in_media_ = false;
 };
 
 }  // namespace talbot

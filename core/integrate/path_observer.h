@@ -9,11 +9,18 @@ namespace talbot {
 class PathObserver {
   public:
     static constexpr bool kActive = true;
+    static constexpr bool kTampers = false;
     virtual ~PathObserver() = default;
 
     // Before anything of this ray's end is added to the path.
     virtual void ray(uint32_t bounce, const Ray& ray, bool found, const Hit& hit,
                      const PathState& path) = 0;
+
+    // After what the ray's end itself sends was added: emission of a surface or the environment.
+    virtual void seen(uint32_t /*bounce*/, const PathState& /*path*/) {}
+
+    // Where the path turned inside a medium, on its way to what `ray` announced.
+    virtual void in_medium(uint32_t /*bounce*/, const Vec3f& /*p*/, const PathState& /*path*/) {}
 
     // After emission and light sampling at the hit, before the path goes on; not called where the
     // path ends at the depth limit or on an unlit surface.

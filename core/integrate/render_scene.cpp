@@ -2,17 +2,14 @@
 
 #include <algorithm>
 
+#include "core/scene/effects_fold.h"
+
 namespace talbot {
 namespace {
 
-uint8_t flags_of(const Material& material) {
-    uint8_t flags = 0;
-    const bool can_be_clear =
-        material.base_color_texture.used() || material.base_color_factor.w < 1;
-    if (material.alpha_mode != AlphaMode::opaque && can_be_clear) flags |= kCoverageAlpha;
+uint8_t side_flag(const Material& material) {
     // The boundary of a volume has no back: both of its sides are seen.
-    if (!material.double_sided && !material.is_volume()) flags |= kCoverageSingleSided;
-    return flags;
+    return !material.double_sided && !material.is_volume() ? kCoverageSingleSided : 0;
 }
 
 bool emits_alike(const Material& a, const Material& b) {
@@ -39,16 +36,35 @@ std::shared_ptr<const LightTable> make_lights(const Scene& scene, const RenderSc
 
 }  // namespace
 
-RenderScene::RenderScene(std::shared_ptr<const Scene> scene, const RenderScene* previous)
-    : scene_(std::move(scene)), lights_(make_lights(*scene_, previous)) {
+RenderScene::RenderScene(std::shared_ptr<const Scene> scene, const RenderScene* previous,
+                         EffectSet forced_on)
+    : given_(std::move(scene)),
+      scene_(fold_scene(given_, forced_on)),
+      lights_(make_lights(*scene_, previous)) {
     const SceneGeometry& geometry = scene_->geometry();
+    const std::vector<Material>& materials = scene_->materials();
+    const bool exact = !forced_on.has(Effect::alpha_mask) && !forced_on.has(Effect::alpha_blend);
+    std::vector<CoverageLimits> limits;
+    for (const Material& material : materials) limits.push_back(coverage_limits(material));
     for (const SceneInstance& instance : geometry.instances) {
-        instance_coverage_.push_back(flags_of(scene_->materials()[instance.material]));
-        any_coverage_ |= instance_coverage_.back();
+        const Material& material = materials[instance.material];
+        const Mesh& mesh = geometry.meshes[instance.mesh];
+        const MeshAlpha* alpha = scene_->mesh_alpha(instance.mesh);
+        uint8_t flags = side_flag(material);
+        if (asks_alpha(*scene_, material, &mesh, alpha, exact)) flags |= kCoverageAlpha;
+        AlphaLookup lookup;
+        if (exact && alpha && alpha->slot == material.base_color_texture && mesh.colors.empty())
+            lookup = {alpha->triangles.data(), limits[instance.material]};
+        instance_coverage_.push_back(flags);
+        instance_alpha_.push_back(lookup);
+        any_coverage_ |= flags;
     }
     for (const Sphere& sphere : geometry.spheres) {
-        sphere_coverage_.push_back(flags_of(scene_->materials()[sphere.material]));
-        any_coverage_ |= sphere_coverage_.back();
+        const Material& material = materials[sphere.material];
+        uint8_t flags = side_flag(material);
+        if (asks_alpha(*scene_, material, nullptr, nullptr, exact)) flags |= kCoverageAlpha;
+        sphere_coverage_.push_back(flags);
+        any_coverage_ |= flags;
     }
 }
 

@@ -26,13 +26,20 @@ struct PathSettings {
 // How hits on an instance or sphere are treated by the coverage filter.
 enum CoverageFlags : uint8_t { kCoverageAlpha = 1, kCoverageSingleSided = 2 };
 
+// What a triangle's texels say about its alpha.
+enum class TriangleCoverage : uint8_t { opaque, clear, mixed };
+
 class RenderScene {
   public:
-    // Reuses what `previous` shares with the new scene.
-    RenderScene(std::shared_ptr<const Scene> scene, const RenderScene* previous = nullptr);
+    // Folds what cannot be seen, except what belongs to the effects of `forced_on`, and leaves out
+    // questions with known answers; the image is the same, byte for byte. Reuses what `previous`
+    // shares with the new scene.
+    RenderScene(std::shared_ptr<const Scene> scene, const RenderScene* previous = nullptr,
+                EffectSet forced_on = {});
 
     const Scene& scene() const { return *scene_; }
-    const std::shared_ptr<const Scene>& shared_scene() const { return scene_; }
+    // As it was given.
+    const std::shared_ptr<const Scene>& shared_scene() const { return given_; }
     const LightTable& lights() const { return *lights_; }
     const std::shared_ptr<const LightTable>& shared_lights() const { return lights_; }
 
@@ -40,14 +47,30 @@ class RenderScene {
         return id.instance == kSphereInstance ? sphere_coverage_[id.primitive]
                                               : instance_coverage_[id.instance];
     }
+    TriangleCoverage triangle_coverage(PrimitiveId id) const {
+        if (id.instance == kSphereInstance) return TriangleCoverage::mixed;
+        const AlphaLookup& lookup = instance_alpha_[id.instance];
+        if (!lookup.triangles) return TriangleCoverage::mixed;
+        const AlphaRange range = lookup.triangles[id.primitive];
+        if (range.least >= lookup.limits.opaque_from) return TriangleCoverage::opaque;
+        return range.most < lookup.limits.clear_below ? TriangleCoverage::clear
+                                                      : TriangleCoverage::mixed;
+    }
     // Flags that occur anywhere.
     uint8_t any_coverage() const { return any_coverage_; }
 
   private:
+    struct AlphaLookup {
+        const AlphaRange* triangles = nullptr;  // of the scene's tables; null where all are mixed
+        CoverageLimits limits;
+    };
+
+    std::shared_ptr<const Scene> given_;
     std::shared_ptr<const Scene> scene_;
     std::shared_ptr<const LightTable> lights_;
     std::vector<uint8_t> instance_coverage_;
     std::vector<uint8_t> sphere_coverage_;
+    std::vector<AlphaLookup> instance_alpha_;
     uint8_t any_coverage_ = 0;
 };
 

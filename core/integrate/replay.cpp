@@ -24,6 +24,7 @@ double wide(float x) {
 struct StepRecorder final : PathObserver {
     const RenderScene* scene;
     std::string log;
+    ReplayedPath replayed;
 
     explicit StepRecorder(const RenderScene* s) : scene(s) {}
 
@@ -35,14 +36,33 @@ struct StepRecorder final : PathObserver {
         append(log, "  beta (%.6g, %.6g, %.6g)  Li so far (%.6g, %.6g, %.6g)\n", wide(path.beta.x),
                wide(path.beta.y), wide(path.beta.z), wide(path.Li.x), wide(path.Li.y),
                wide(path.Li.z));
+        const Vec3d origin = scene->scene().origin();
+        if (bounce == 0) replayed.start = Vec3d(ray.o) + origin;
+        replayed.escapes = !found;
+        replayed.last_direction = Vec3d(ray.d);
         if (!found) {
             append(log, "  escapes to the environment\n");
             return;
         }
         const uint32_t object = scene->scene().object_of(hit.id);
+        const Vec3d point = Vec3d(ray.o) + static_cast<double>(hit.t) * Vec3d(ray.d);
+        replayed.vertices.push_back(
+            {point + origin, scene->scene().material_of(hit.id), object, 0});
         append(log, "  hits t %.9g  %s %u primitive %u  object '%s'\n", wide(hit.t),
                hit.is_sphere() ? "sphere" : "instance", hit.id.instance, hit.id.primitive,
                scene->scene().objects()[object].name.c_str());
+    }
+
+    void in_medium(uint32_t, const Vec3f& p, const PathState& path) override {
+        append(log, "  but scatters before that in the medium at (%.9g, %.9g, %.9g)  pdf %.6g\n",
+               wide(p.x), wide(p.y), wide(p.z), wide(path.bsdf_pdf));
+        const uint32_t material = path.media.top(scene->scene().materials());
+        // A medium is entered through some surface: there is a vertex.
+        const uint32_t object = replayed.vertices.back().object;
+        if (!replayed.escapes) replayed.vertices.pop_back();
+        replayed.escapes = false;
+        replayed.vertices.push_back(
+            {Vec3d(p) + scene->scene().origin(), material, object, path.bsdf_pdf});
     }
 
     void vertex(uint32_t bounce, const SurfaceInteraction& si, const Material& material,
@@ -64,6 +84,7 @@ struct StepRecorder final : PathObserver {
             append(log, "  is absorbed\n");
             return;
         }
+        replayed.vertices.back().pdf = scattered->pdf;
         append(log, "  scatters to (%.9g, %.9g, %.9g)  weight (%.6g, %.6g, %.6g)  pdf %.6g%s%s\n",
                wide(scattered->wi.x), wide(scattered->wi.y), wide(scattered->wi.z),
                wide(scattered->weight.x), wide(scattered->weight.y), wide(scattered->weight.z),
@@ -74,9 +95,9 @@ struct StepRecorder final : PathObserver {
 
 }  // namespace
 
-std::string replay_sample(const RenderScene& scene, const CameraRays& camera,
-                          const PathSettings& settings, uint32_t x, uint32_t y,
-                          uint64_t sample_index) {
+ReplayedPath replay_path(const RenderScene& scene, const CameraRays& camera,
+                         const PathSettings& settings, uint32_t x, uint32_t y,
+                         uint64_t sample_index) {
     StepRecorder recorder(&scene);
     append(recorder.log, "pixel %u,%u  sample %llu  seed %llu\n", x, y,
            static_cast<unsigned long long>(sample_index),
@@ -85,7 +106,19 @@ std::string replay_sample(const RenderScene& scene, const CameraRays& camera,
     append(recorder.log, "radiance (%.9g, %.9g, %.9g) = (%a, %a, %a)  rays %u\n", wide(sample.Li.x),
            wide(sample.Li.y), wide(sample.Li.z), wide(sample.Li.x), wide(sample.Li.y),
            wide(sample.Li.z), sample.rays);
-    return recorder.log;
+    ReplayedPath path = std::move(recorder.replayed);
+    path.x = x;
+    path.y = y;
+    path.sample = sample_index;
+    path.radiance = sample.Li;
+    path.log = std::move(recorder.log);
+    return path;
+}
+
+std::string replay_sample(const RenderScene& scene, const CameraRays& camera,
+                          const PathSettings& settings, uint32_t x, uint32_t y,
+                          uint64_t sample_index) {
+    return replay_path(scene, camera, settings, x, y, sample_index).log;
 }
 
 }  // namespace talbot

@@ -23,6 +23,10 @@ namespace talbot {
 // Dimension pairs, of which some purposes use only the first number. Camera pairs come first, then
 // kPairsPerBounce for each vertex of the path.
 enum class Purpose : uint32_t { pixel = 0, lens = 1, bounce = 2, wavelength = 0xFFFFFFFFu };
+// Pairs of media lie apart, so that scenes without them keep their numbers.
+constexpr uint32_t medium_pair(uint32_t bounce) {
+    return 0x80000000u + bounce;
+}
 inline constexpr uint32_t kPairsPerBounce = 5;
 enum class BouncePair : uint32_t { light = 0, bsdf = 1, light_choice = 2, lobe = 3, roulette = 4 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/sphere.h"
 #include "core/math/frame.h"
 #include "core/math/robust.h"
 #include "core/scattering/bsdf.h"
@@ -16,10 +17,16 @@ namespace talbot {
 // Humphreys 2023, section 6.8.4).
 inline constexpr float kTriangleError = gamma_bound(7);
 
+// Vertex normals further than this from a triangle's own, by cosine, describe no surface near it.
+inline constexpr float kMinRoundCosine = 0.7f;
+
 struct SurfaceInteraction {
     Vec3f p{0};
     Vec3f p_error{0};            // per axis, >= 0
     Vec3f n_geometric{0, 0, 1};  // unit; on the side that the winding calls front
+    Vec3f lift{0};               // from p to the round surface that vertex normals describe, on the
+                                 // side that the ray came from; zero where that is the triangle
+    Vec3f n_round{0, 0, 1};      // its unit normal on the front side, where lift is not zero
     Frame shading{};             // n on n_geometric's side; any tangent, the same in every tier
     Vec3f coat_normal{0, 0, 1};  // of the clear coat, on n_geometric's side
     Vec3f tangent{0};            // unit, along the texture's u, for normal maps; zero where unknown
@@ -30,24 +37,39 @@ struct SurfaceInteraction {
     uint32_t material = 0;
     bool front = true;  // the ray arrived on the front
 
+    bool is_lifted() const { return lift.x != 0 || lift.y != 0 || lift.z != 0; }
+    // Where light is gathered, and the surface's normal there, on the front side.
+    Vec3f lit_point() const { return p + lift; }
+    const Vec3f& n_surface() const { return is_lifted() ? n_round : n_geometric; }
+
     // A ray that leaves towards d (unit), its origin moved off the surface and barred from hitting
     // it again.
     Ray spawn(const Vec3f& d) const {
         Ray ray;
-        ray.o = offset_ray_origin(p, p_error, n_geometric, d);
+        set_origin(ray, d);
         ray.d = d;
-        ray.skip_from = id;
         return ray;
     }
     // A ray that ends at `target` (already off its own surface).
     Ray spawn_to(const Vec3f& target, PrimitiveId target_id) const {
         Ray ray;
-        ray.o = offset_ray_origin(p, p_error, n_geometric, target - p);
+        set_origin(ray, target - lit_point());
         ray.d = target - ray.o;
         ray.t_max = 1;
-        ray.skip_from = id;
         ray.skip_to = target_id;
         return ray;
+    }
+
+  private:
+    void set_origin(Ray& ray, const Vec3f& d) const {
+        ray.skip_from = id;
+        if (!is_lifted() || (dot(d, n_round) > 0) != front) {
+            ray.o = offset_ray_origin(p, p_error, n_geometric, d);
+            return;
+        }
+        ray.o = lit_point();
+        // Down towards the triangle, which may then be in the way.
+        if ((dot(d, n_geometric) > 0) != front) ray.skip_from = PrimitiveId{};
     }
 };
 
@@ -57,14 +79,70 @@ constexpr bool needs_uv(EffectSet tier) {
     return (tier.bits & kTextureEffects.bits) != 0;
 }
 
+// Normal maps and anisotropy read tangents.
+template <EffectSet kTier>
+inline constexpr bool kUsesTangents =
+    kTier.has(Effect::normal_map) || kTier.has(Effect::clearcoat) || kTier.has(Effect::anisotropy);
+inline bool needs_tangent(const Material& m) {
+    return m.normal_texture.used() || m.clearcoat_normal_texture.used() ||
+           m.anisotropy_strength > 0;
+}
+
 namespace detail {
+
+// The direction in which the texture's u grows over a triangle, on the plane of the shading normal.
+[[gnu::noinline]] inline void fill_tangent(const Mesh& mesh, const SceneInstance& instance, const uint32_t* index,
+                         float b0, float b1, float b2, const Vec3f& e1, const Vec3f& e2,
+                         const Vec3f& n, SurfaceInteraction& si) {
+    Vec3f tangent(0);
+    if (!mesh.tangents.empty()) {
+        const Vec4f t = b0 * mesh.tangents[index[0]] + b1 * mesh.tangents[index[1]] +
+                        b2 * mesh.tangents[index[2]];
+        tangent = Vec3f(t);
+        si.tangent_sign = (t.w < 0) != instance.mirrored ? -1.0f : 1.0f;
+        if (!instance.identity) tangent = instance.linear * tangent;
+    } else if (!mesh.uv[0].empty()) {
+        // Without tangents: the direction in which u grows.
+        const Vec2f d1 = mesh.uv[0][index[1]] - mesh.uv[0][index[0]];
+        const Vec2f d2 = mesh.uv[0][index[2]] - mesh.uv[0][index[0]];
+        const float determinant = difference_of_products(d1.x, d2.y, d1.y, d2.x);
+        tangent = (d2.y * e1 - d1.y * e2) * (determinant < 0 ? -1.0f : 1.0f);
+        si.tangent_sign = determinant < 0 ? 1.0f : -1.0f;
+    }
+    tangent -= dot(tangent, n) * n;
+    const float square = dot(tangent, tangent);
+    if (square > 0 && is_finite(square)) si.tangent = tangent / std::sqrt(square);
+}
+
+// The way from p to the round surface: to the mean of p's projections onto the tangent planes at
+// the vertices, where these lie above p as seen from the ray's side. Equal normals give none at all
+// (Hanika 2021, "Hacking the shadow terminator", Ray Tracing Gems II, chapter 4). In the space of
+// the mesh: e1 and e2 are edges, n the triangle's unit normal, side is 1 or -1 with the ray on n's.
+inline Vec3f round_lift(const Mesh& mesh, const uint32_t* index, float b1, float b2,
+                        const Vec3f& e1, const Vec3f& e2, const Vec3f& n, float side) {
+    const Vec3f& n0 = mesh.normals[index[0]];
+    const Vec3f& n1 = mesh.normals[index[1]];
+    const Vec3f& n2 = mesh.normals[index[2]];
+    if (n0 == n1 && n0 == n2) return Vec3f(0);
+    const float sense = dot(n0, n) < 0 ? -1.0f : 1.0f;
+    if (!(sense * dot(n0, n) >= kMinRoundCosine && sense * dot(n1, n) >= kMinRoundCosine &&
+          sense * dot(n2, n) >= kMinRoundCosine))
+        return Vec3f(0);
+    const float up = sense * side;
+    const Vec3f from0 = b1 * e1 + b2 * e2;
+    const float h0 = std::min(0.0f, up * dot(from0, n0));
+    const float h1 = std::min(0.0f, up * dot(from0 - e1, n1));
+    const float h2 = std::min(0.0f, up * dot(from0 - e2, n2));
+    return -up * ((1 - b1 - b2) * h0 * n0 + b1 * h1 * n1 + b2 * h2 * n2);
+}
 
 template <EffectSet kTier>
 void fill_triangle_attributes(const Mesh& mesh, const SceneInstance& instance,
                               const uint32_t* index, float b0, float b1, float b2, const Vec3f& e1,
-                              const Vec3f& e2, SurfaceInteraction& si) {
+                              const Vec3f& e2, [[maybe_unused]] bool with_tangent,
+                              SurfaceInteraction& si) {
     if constexpr (needs_uv(kTier)) {
-        for (std::size_t set = 0; set < 2; ++set) {
+        for (std::size_t set = 0; set < (kTier.has(Effect::second_uv) ? 2 : 1); ++set) {
             if (mesh.uv[set].empty()) continue;
             const std::vector<Vec2f>& uv = mesh.uv[set];
             si.uv[set] = b0 * uv[index[0]] + b1 * uv[index[1]] + b2 * uv[index[2]];
@@ -79,37 +157,37 @@ void fill_triangle_attributes(const Mesh& mesh, const SceneInstance& instance,
     Vec3f n = si.n_geometric;
     if (!mesh.normals.empty()) {
         n = b0 * mesh.normals[index[0]] + b1 * mesh.normals[index[1]] + b2 * mesh.normals[index[2]];
-        if (!instance.identity) n = instance.normal_from_object * n;
+        if (kTier.has(Effect::instancing) && !instance.identity)
+            n = instance.normal_from_object * n;
         n = safe_normalize(n, si.n_geometric);
         if (dot(n, si.n_geometric) < 0) n = -n;
     }
     si.shading = Frame::from_normal(n);
-    if constexpr (kTier.has(Effect::normal_map)) {
-        Vec3f tangent(0);
-        if (!mesh.tangents.empty()) {
-            const Vec4f t = b0 * mesh.tangents[index[0]] + b1 * mesh.tangents[index[1]] +
-                            b2 * mesh.tangents[index[2]];
-            tangent = Vec3f(t);
-            si.tangent_sign = (t.w < 0) != instance.mirrored ? -1.0f : 1.0f;
-            if (!instance.identity) tangent = instance.linear * tangent;
-        } else if (!mesh.uv[0].empty()) {
-            // Without tangents: the direction in which u grows.
-            const Vec2f d1 = mesh.uv[0][index[1]] - mesh.uv[0][index[0]];
-            const Vec2f d2 = mesh.uv[0][index[2]] - mesh.uv[0][index[0]];
-            const float determinant = difference_of_products(d1.x, d2.y, d1.y, d2.x);
-            tangent = (d2.y * e1 - d1.y * e2) * (determinant < 0 ? -1.0f : 1.0f);
-            si.tangent_sign = determinant < 0 ? 1.0f : -1.0f;
-        }
-        tangent -= dot(tangent, n) * n;
-        const float square = dot(tangent, tangent);
-        if (square > 0 && is_finite(square)) {
-            si.tangent = tangent / std::sqrt(square);
-        }
+    if constexpr (kUsesTangents<kTier>) {
+        if (with_tangent) fill_tangent(mesh, instance, index, b0, b1, b2, e1, e2, n, si);
     }
 }
 
+// Lifts the point where that takes it further than its own error, and where the ray sees the round
+// surface from outside.
+inline void lift_point(const Mesh& mesh, const SceneInstance& instance, const uint32_t* index,
+                       const Hit& hit, const Ray& ray, SurfaceInteraction& si) {
+    const float side = si.front ? 1.0f : -1.0f;
+    const Vec3f e1 = mesh.positions[index[1]] - mesh.positions[index[0]];
+    const Vec3f e2 = mesh.positions[index[2]] - mesh.positions[index[0]];
+    const Vec3f n =
+        instance.identity ? si.n_geometric : safe_normalize(stable_cross(e1, e2), Vec3f(0));
+    Vec3f lift = round_lift(mesh, index, hit.u, hit.v, e1, e2, n, side);
+    if (!instance.identity) lift = instance.linear * lift;
+    if (!(side * dot(lift, si.n_geometric) > 2 * dot(glm::abs(si.n_geometric), si.p_error))) return;
+    if (!(side * dot(ray.d, si.shading.n) < 0)) return;
+    si.lift = lift;
+    si.n_round = si.shading.n;
+}
+
 template <EffectSet kTier>
-void fill_triangle(const Scene& scene, const Hit& hit, SurfaceInteraction& si) {
+void fill_triangle(const Scene& scene, const Ray& ray, const Hit& hit, bool with_tangent,
+                   SurfaceInteraction& si) {
     const SceneGeometry& geometry = scene.geometry();
     const SceneInstance& instance = geometry.instances[hit.id.instance];
     const Mesh& mesh = geometry.meshes[instance.mesh];
@@ -125,7 +203,7 @@ void fill_triangle(const Scene& scene, const Hit& hit, SurfaceInteraction& si) {
     si.p = b0 * p0 + b1 * p1 + b2 * p2;
     si.p_error = kTriangleError * (glm::abs(b0 * p0) + glm::abs(b1 * p1) + glm::abs(b2 * p2));
     Vec3f n = stable_cross(e1, e2);
-    if (!instance.identity) {
+    if (kTier.has(Effect::instancing) && !instance.identity) {
         const Mat3f& linear = instance.linear;
         const Vec3f object_error = si.p_error;
         // Both the point and its error go through the matrix; the product is rounded once, from
@@ -138,20 +216,30 @@ void fill_triangle(const Scene& scene, const Hit& hit, SurfaceInteraction& si) {
         e2 = linear * e2;
     }
     si.n_geometric = safe_normalize(n, Vec3f(0, 0, 1));
-    fill_triangle_attributes<kTier>(mesh, instance, index, b0, b1, b2, e1, e2, si);
+    si.front = dot(ray.d, si.n_geometric) < 0;
+    fill_triangle_attributes<kTier>(mesh, instance, index, b0, b1, b2, e1, e2, with_tangent,
+                                    si);
+    if (!mesh.normals.empty()) lift_point(mesh, instance, index, hit, ray, si);
 }
 
 template <EffectSet kTier>
 void fill_sphere(const Scene& scene, const Ray& ray, const Hit& hit, SurfaceInteraction& si) {
     const Sphere& sphere = scene.geometry().spheres[hit.id.primitive];
-    // Projected back onto the sphere in double, so the point's error is that of one rounding to
-    // float.
-    const Vec3d along = Vec3d(ray.o) + static_cast<double>(hit.t) * Vec3d(ray.d) - sphere.center;
+    // The crossing anew, for a float t is too coarse on a small sphere far away; then projected
+    // back onto the sphere in double, so that the point's error is that of one rounding to float.
+    const Vec3d o(ray.o);
+    const Vec3d d(ray.d);
+    double t = hit.t;
+    double roots[2];
+    if (sphere_roots(o, d, sphere.center, sphere.radius, roots[0], roots[1]))
+        t = static_cast<float>(roots[0]) == hit.t ? roots[0] : roots[1];
+    const Vec3d along = o + t * d - sphere.center;
     const double distance = length(along);
     const Vec3d n = distance > 0 ? along / distance : Vec3d(0, 1, 0);
     si.p = Vec3f(sphere.center + sphere.radius * n);
     si.p_error = gamma_bound(2) * glm::abs(si.p);
     si.n_geometric = Vec3f(n);
+    si.front = dot(ray.d, si.n_geometric) < 0;
     si.shading = Frame::from_normal(si.n_geometric);
     if constexpr (needs_uv(kTier)) {
         si.uv[0] = sphere_uv(si.n_geometric);
@@ -167,18 +255,22 @@ void fill_sphere(const Scene& scene, const Ray& ray, const Hit& hit, SurfaceInte
 
 }  // namespace detail
 
-// The shading point of a hit. wo points back along the ray.
+// The shading point of a hit; without the tangent where only coverage is asked.
 template <EffectSet kTier>
-SurfaceInteraction make_surface_interaction(const Scene& scene, const Ray& ray, const Hit& hit) {
+SurfaceInteraction make_surface_interaction(const Scene& scene, const Ray& ray, const Hit& hit,
+                                            bool for_coverage = false) {
     SurfaceInteraction si;
     si.id = hit.id;
-    si.material = scene.material_of(hit.id);
-    if (hit.is_sphere()) {
+    if (kTier.has(Effect::analytic_spheres) && hit.is_sphere()) {
+        si.material = scene.geometry().spheres[hit.id.primitive].material;
         detail::fill_sphere<kTier>(scene, ray, hit, si);
     } else {
-        detail::fill_triangle<kTier>(scene, hit, si);
+        si.material = scene.geometry().instances[hit.id.instance].material;
+        bool with_tangent = false;
+        if constexpr (kUsesTangents<kTier>)
+            with_tangent = !for_coverage && needs_tangent(scene.materials()[si.material]);
+        detail::fill_triangle<kTier>(scene, ray, hit, with_tangent, si);
     }
-    si.front = dot(ray.d, si.n_geometric) < 0;
     return si;
 }
 

@@ -25,7 +25,7 @@ static_assert(std::endian::native == std::endian::little, "film files are little
 static_assert(sizeof(FilmPixel) == 64 && sizeof(Rgb) == 12);
 
 constexpr char kMagic[8] = {'T', 'A', 'L', 'B', 'O', 'T', 'F', 'M'};
-constexpr uint32_t kVersion = 2;
+constexpr uint32_t kVersion = 3;
 constexpr std::size_t kPrefixBytes = sizeof kMagic + 2 * sizeof(uint32_t);
 constexpr std::size_t kDigestBytes = 32;
 constexpr uint32_t kMaxHeaderBytes = 1u << 20;
@@ -336,7 +336,7 @@ Result<FilmFile> load_film(const std::filesystem::path& path) {
     const uint64_t films = 1 + file.error.marks.size();
     const bool fits =
         tables.half <= pixels && tables.differences <= pixels && tables.blocks <= pixels &&
-        payload == films * pixels * sizeof(FilmPixel) + tables.half * sizeof(Rgb) +
+        payload == films * pixels * sizeof(FilmPixel) + tables.half * sizeof(Vec3d) +
                        tables.differences * sizeof(uint32_t) + tables.blocks * sizeof(float);
     if (!fits) return unreadable(path, "is truncated or altered (its length does not fit)");
     Sha256 hash;

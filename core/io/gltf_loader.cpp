@@ -1,12 +1,16 @@
-// load_gltf: the order of the steps. Each step lives in its own file under gltf/.
+// GltfFile::read: the order of the steps. Each step lives in its own file under gltf/.
 #include "core/io/gltf_loader.h"
 
 #include <algorithm>
+#include <map>
+#include <mutex>
 #include <new>
 #include <numeric>
+#include <tuple>
 #include <variant>
 
 #include "core/base/worker_pool.h"
+#include "core/io/gltf/choices.h"
 #include "core/io/gltf/extensions.h"
 #include "core/io/gltf/images.h"
 #include "core/io/gltf/loading.h"
@@ -34,9 +38,31 @@ struct DecodeJob {
     PrimitiveResult primitive;
 };
 
+// What one reading of a file leaves for the next.
+struct Decoded {
+    // Of a mesh that nothing deforms, all that its decoding depends on.
+    using MeshKey = std::tuple<uint32_t, uint32_t, uint32_t, UvSets, uint8_t, bool>;
+
+    std::string sha256;
+    std::vector<std::shared_ptr<const Image8>> images;
+    std::map<MeshKey, PrimitiveResult> meshes;
+    bool keep_meshes = false;
+
+    static MeshKey key_of(const PrimitiveRequest& request) {
+        return {request.mesh,    request.primitive,      request.material,
+                request.uv_sets, request.tangent_uv_set, request.wants_tangents};
+    }
+};
+
+bool is_deformed(const PrimitiveRequest& request) {
+    const MeshShape* shape = request.shape;
+    return shape && (!shape->weights.empty() || !shape->joints.empty());
+}
+
 class GltfLoader {
   public:
-    explicit GltfLoader(Loading& loading) : loading_(loading), model_(loading.document.model) {}
+    GltfLoader(Loading& loading, Decoded& decoded)
+        : loading_(loading), model_(loading.document.model), decoded_(decoded) {}
 
     Result<SceneDesc> run() {
         SceneDesc& desc = loading_.desc;
@@ -132,12 +158,20 @@ class GltfLoader {
     void run_job(DecodeJob& job) {
         const uint64_t max_bytes = loading_.options.max_bytes;
         if (const auto* image = std::get_if<uint32_t>(&job.task)) {
+            job.image = decoded_.images[*image];
+            if (job.image) return;
             auto loaded = load_image8(loading_.document, *image, loading_.budget, max_bytes);
             if (loaded) job.image = std::move(loaded.value());
             if (!loaded) job.error = loaded.error();
         } else {
-            auto loaded = load_primitive(loading_.document, std::get<PrimitiveRequest>(job.task),
-                                         loading_.budget, max_bytes);
+            const auto& request = std::get<PrimitiveRequest>(job.task);
+            const auto kept = decoded_.meshes.find(Decoded::key_of(request));
+            if (kept != decoded_.meshes.end() && !is_deformed(request)) {
+                job.primitive = kept->second;
+                return;
+            }
+            auto loaded =
+                load_primitive(loading_.document, request, loading_.budget, max_bytes);
             if (loaded) job.primitive = std::move(loaded.value());
             if (!loaded) job.error = loaded.error();
         }
@@ -162,7 +196,7 @@ class GltfLoader {
         WorkerPool pool(loading_.options.threads);
         const size_t batch = std::max<size_t>(32, size_t{8} * pool.size());
         size_t done = 0;
-        bool hashed = false;
+        bool hashed = !decoded_.sha256.empty();
         while (done < jobs_.size() || !hashed) {
             const size_t count = std::min(batch, jobs_.size() - done);
             const size_t extra = hashed ? 0 : 1;
@@ -170,7 +204,7 @@ class GltfLoader {
                 count + extra,
                 [&](uint64_t i, unsigned) {
                     if (i < count) run_job(jobs_[order[done + i]]);
-                    if (i == count) loading_.desc.sha256 = sha256_hex(loading_.document.bytes);
+                    if (i == count) decoded_.sha256 = sha256_hex(loading_.document.bytes);
                 },
                 loading_.options.stop);
             if (loading_.options.stop.stop_requested()) return cancelled();
@@ -183,18 +217,23 @@ class GltfLoader {
                 jobs_.empty() ? 1.0f : static_cast<float>(done) / static_cast<float>(jobs_.size());
             report(0.1f + 0.85f * fraction, "meshes and textures");
         }
-        assign_images();
+        loading_.desc.sha256 = decoded_.sha256;
+        keep_decoded();
+        for (size_t i = 0; i < tables_.image_of.size(); ++i)
+            loading_.desc.textures[i].image = decoded_.images[tables_.image_of[i]];
         return Done{};
     }
 
-    void assign_images() {
-        std::vector<std::shared_ptr<const Image8>> images(loading_.document.images.size());
+    void keep_decoded() {
         for (DecodeJob& job : jobs_) {
-            if (const auto* image = std::get_if<uint32_t>(&job.task))
-                images[*image] = std::move(job.image);
+            if (const auto* image = std::get_if<uint32_t>(&job.task)) {
+                decoded_.images[*image] = std::move(job.image);
+                continue;
+            }
+            const auto& request = std::get<PrimitiveRequest>(job.task);
+            if (decoded_.keep_meshes && !is_deformed(request))
+                decoded_.meshes.try_emplace(Decoded::key_of(request), job.primitive);
         }
-        for (size_t i = 0; i < tables_.image_of.size(); ++i)
-            loading_.desc.textures[i].image = images[tables_.image_of[i]];
     }
 
     void place_meshes(const SurfaceUses& uses) {
@@ -253,27 +292,80 @@ class GltfLoader {
 
     Loading& loading_;
     const tinygltf::Model& model_;
+    Decoded& decoded_;
     MaterialTables tables_;
     std::vector<DecodeJob> jobs_;
     std::vector<uint32_t> first_primitive_;  // job of each shape's first primitive
     std::optional<uint32_t> variant_;
 };
 
+Error too_large(const std::filesystem::path& file) {
+    return {ErrorKind::bad_input, file.string(), "", "does not fit into the memory"};
+}
+
+Error was_cancelled(const std::filesystem::path& file) {
+    return {ErrorKind::cancelled, file.string(), "", "loading was cancelled"};
+}
+
 }  // namespace
 
-Result<SceneDesc> load_gltf(const std::filesystem::path& file, const LoadOptions& options) {
+struct GltfFile::State {
+    gltf::Document document;
+    GltfChoices choices;
+    std::mutex mutex;  // of what follows, and of the document's model
+    Decoded decoded;
+    std::optional<Error> broken;
+};
+
+GltfFile::GltfFile(std::unique_ptr<State> state) : state_(std::move(state)) {}
+GltfFile::~GltfFile() = default;
+
+const GltfChoices& GltfFile::choices() const {
+    return state_->choices;
+}
+
+Result<std::shared_ptr<GltfFile>> GltfFile::open(const std::filesystem::path& file,
+                                                 const LoadOptions& options) {
     try {
         if (options.progress) options.progress(0, "reading");
-        Result<gltf::Document> document =
-            gltf::read_document(file, options.max_bytes, options.animation_time);
+        Result<gltf::Document> document = gltf::read_document(file, options.max_bytes);
         if (!document) return document.error();
-        if (options.stop.stop_requested())
-            return Error{ErrorKind::cancelled, file.string(), "", "loading was cancelled"};
-        gltf::Loading loading(std::move(document.value()), options);
-        return GltfLoader(loading).run();
+        if (options.stop.stop_requested()) return was_cancelled(file);
+        auto state = std::make_unique<State>();
+        state->document = std::move(*document);
+        state->choices = gltf::choices_of(state->document);
+        state->decoded.images.resize(state->document.images.size());
+        return std::shared_ptr<GltfFile>(new GltfFile(std::move(state)));
     } catch (const std::bad_alloc&) {
-        return Error{ErrorKind::bad_input, file.string(), "", "does not fit into the memory"};
+        return too_large(file);
     }
+}
+
+Result<SceneDesc> GltfFile::read(const LoadOptions& options) {
+    const std::lock_guard lock(state_->mutex);
+    const std::filesystem::path& file = state_->document.file;
+    if (state_->broken) return *state_->broken;
+    if (options.stop.stop_requested()) return was_cancelled(file);
+    try {
+        const Status moved = gltf::set_animation_time(state_->document, options.animation_time);
+        if (!moved) {
+            state_->broken = moved.error();
+            return moved.error();
+        }
+        gltf::Loading loading(state_->document, options);
+        Result<SceneDesc> desc = GltfLoader(loading, state_->decoded).run();
+        // Who reads once needs no copies.
+        state_->decoded.keep_meshes = true;
+        return desc;
+    } catch (const std::bad_alloc&) {
+        return too_large(file);
+    }
+}
+
+Result<SceneDesc> load_gltf(const std::filesystem::path& file, const LoadOptions& options) {
+    const Result<std::shared_ptr<GltfFile>> opened = GltfFile::open(file, options);
+    if (!opened) return opened.error();
+    return (*opened)->read(options);
 }
 
 }  // namespace talbot

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -24,10 +25,6 @@ struct LoadOptions {
     std::function<void(float fraction, const char* stage)> progress;  // called from the loading thread
 };
 
-// Bad input gives ErrorKind::bad_input with the file, the element (e.g. "accessors[3]") and what to do; a stop request gives
-// ErrorKind::cancelled.
-Result<SceneDesc> load_gltf(const std::filesystem::path& file, const LoadOptions& options = {});
-
 struct GltfAnimation {
     std::string name;
     double seconds = 0;  // the last key
@@ -35,10 +32,36 @@ struct GltfAnimation {
 
 // What a file offers to choose from.
 struct GltfChoices {
+    std::vector<std::string> scenes;
+    std::size_t default_scene = 0;
     std::vector<std::string> variants;  // KHR_materials_variants
     std::vector<GltfAnimation> animations;
+
+    double last_key() const;  // of all animations, seconds; 0 without any
 };
 
-Result<GltfChoices> read_gltf_choices(const std::filesystem::path& file);
+// A file that was parsed once and can be read again in another scene, variant or moment. Its images, and meshes that nothing
+// deforms, are decoded once.
+class GltfFile {
+  public:
+    // Uses max_bytes, stop and progress of the options. Bad input gives ErrorKind::bad_input with the file, the element (e.g.
+    // "accessors[3]") and what to do; a stop request gives ErrorKind::cancelled.
+    static Result<std::shared_ptr<GltfFile>> open(const std::filesystem::path& file, const LoadOptions& options = {});
+    ~GltfFile();
+
+    const GltfChoices& choices() const;
+
+    // For any thread; one reads at a time, others wait.
+    Result<SceneDesc> read(const LoadOptions& options = {});
+
+  private:
+    struct State;
+    explicit GltfFile(std::unique_ptr<State> state);
+
+    std::unique_ptr<State> state_;
+};
+
+// Opens and reads at once.
+Result<SceneDesc> load_gltf(const std::filesystem::path& file, const LoadOptions& options = {});
 
 }  // namespace talbot

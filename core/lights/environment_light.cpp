@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/math/robust.h"
+#include "core/scene/compiled_effects.h"
 
 namespace talbot {
 namespace {
@@ -109,7 +110,8 @@ Rgb EnvironmentLight::eval_image(const Vec3f& local) const {
 
 Rgb EnvironmentLight::eval(const Vec3f& d) const {
     if (black_) return Rgb(0);
-    if (table_) return intensity_ * eval_image(to_local(d));
+    if (kCompiledEffects.has(Effect::environment_image) && table_)
+        return intensity_ * eval_image(to_local(d));
     if (gradient_) {
         const float s = clamp01(0.5f * (dot(to_local(d), gradient_->axis) + 1));
         return intensity_ * (gradient_->from + (gradient_->to - gradient_->from) * s);

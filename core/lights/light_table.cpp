@@ -4,29 +4,29 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/lights/emission_map.h"
 #include "core/lights/surface_light.h"
 #include "core/math/robust.h"
+#include "core/scene/compiled_effects.h"
 
 namespace talbot {
 namespace {
 
-// Mean of an emissive texture over a grid, never quite black, so that a small bright spot keeps its
-// chance.
-double mean_emission(const Scene& scene, const Material& material) {
-    const Rgb factor = material.emissive_factor * material.emissive_strength;
-    if (!material.emissive_texture.used()) return luminance(factor);
-    constexpr int kGrid = 64;
-    constexpr double kFloor = 0.01;
-    const Texture& texture = scene.textures()[material.emissive_texture.texture];
-    double sum = 0;
-    for (int y = 0; y < kGrid; ++y) {
-        for (int x = 0; x < kGrid; ++x) {
-            const Vec2f uv((static_cast<float>(x) + 0.5f) / kGrid,
-                           (static_cast<float>(y) + 0.5f) / kGrid);
-            sum += luminance(factor * Rgb(eval_texture(texture, uv, TextureEncoding::srgb)));
-        }
+// What a triangle of the mesh shows of its emissive texture.
+double triangle_emission(const EmissionMap& emission, const TextureSlot& slot, const Mesh& mesh,
+                         uint32_t triangle) {
+    if (!slot.used()) return emission.mean();
+    const std::vector<Vec2f>& uv = mesh.uv[slot.uv_set];
+    Vec2f lower(kInfinity);
+    Vec2f upper(-kInfinity);
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+        const uint32_t vertex = mesh.indices[std::size_t{3} * triangle + corner];
+        const Vec2f p = slot.apply(uv.empty() ? Vec2f(0) : uv[vertex]);
+        if (!is_finite(p)) return emission.mean();
+        lower = glm::min(lower, p);
+        upper = glm::max(upper, p);
     }
-    return std::max(sum / (kGrid * kGrid), kFloor * luminance(factor));
+    return emission.mean(lower, upper);
 }
 
 double punctual_power(const PunctualLight& light, double scene_radius) {
@@ -81,12 +81,12 @@ Rgb emitted_radiance(const Scene& scene, const Material& material, const Vec2f& 
                      const Vec2f& uv1, bool front, float cos_theta) {
     if (!front && !material.double_sided) return Rgb(0);
     Rgb radiance = material.emissive_factor * material.emissive_strength;
-    if (material.emissive_texture.used()) {
+    if (kCompiledEffects.has(Effect::emissive_texture) && material.emissive_texture.used()) {
         const TextureSlot& slot = material.emissive_texture;
         const Vec2f uv = slot.apply(slot.uv_set == 0 ? uv0 : uv1);
         radiance *= Rgb(eval_texture(scene.textures()[slot.texture], uv, TextureEncoding::srgb));
     }
-    if (material.clearcoat_factor > 0) {
+    if (kCompiledEffects.has(Effect::clearcoat) && material.clearcoat_factor > 0) {
         float coat = material.clearcoat_factor;
         if (material.clearcoat_texture.used()) {
             const TextureSlot& slot = material.clearcoat_texture;
@@ -114,7 +114,8 @@ void LightTable::make_choice(const Scene& scene) {
     powers.reserve(lights_.size());
     for (const Light& light : lights_) powers.push_back(light.power);
     choice_ = DiscreteDistribution(powers);
-    if (lights_.size() < kTreeLights || choice_.is_empty()) return;
+    const auto sends = [](double power) { return power > 0; };
+    if (std::count_if(powers.begin(), powers.end(), sends) < kTreeLights) return;
     std::vector<LightBounds> bounds;
     bounds.reserve(lights_.size());
     double placed = 0;
@@ -137,31 +138,37 @@ void LightTable::make_choice(const Scene& scene) {
 
 void LightTable::add_surface_lights(const Scene& scene) {
     const SceneGeometry& geometry = scene.geometry();
-    std::vector<double> emission(scene.materials().size(), 0);
-    for (std::size_t i = 0; i < emission.size(); ++i) {
-        const Material& material = scene.materials()[i];
-        if (material.is_emissive() && !material.unlit) emission[i] = mean_emission(scene, material);
-    }
+    std::vector<std::optional<EmissionMap>> emission(scene.materials().size());
+    // Made for materials that something wears.
+    const auto emission_of = [&](uint32_t index) -> const EmissionMap* {
+        const Material& material = scene.materials()[index];
+        if (!material.is_emissive() || material.unlit) return nullptr;
+        if (!emission[index]) emission[index].emplace(material, scene.textures());
+        return emission[index]->mean() > 0 ? &*emission[index] : nullptr;
+    };
     first_light_of_instance_.assign(geometry.instances.size(), kNoId);
     for (uint32_t i = 0; i < geometry.instances.size(); ++i) {
         const SceneInstance& instance = geometry.instances[i];
-        if (!(emission[instance.material] > 0)) continue;
+        const EmissionMap* const map = emission_of(instance.material);
+        if (!map) continue;
+        const TextureSlot& slot = scene.materials()[instance.material].emissive_texture;
+        const Mesh& mesh = geometry.meshes[instance.mesh];
         first_light_of_instance_[i] = static_cast<uint32_t>(lights_.size());
-        const uint64_t triangles = geometry.meshes[instance.mesh].triangle_count();
+        const uint64_t triangles = mesh.triangle_count();
         for (uint32_t t = 0; t < triangles; ++t) {
             Light light = make_triangle_light(scene, {i, t});
-            light.power = std::numbers::pi * light.area * emission[instance.material] *
+            light.power = std::numbers::pi * light.area * triangle_emission(*map, slot, mesh, t) *
                           (light.two_sided ? 2 : 1);
             lights_.push_back(light);
         }
     }
     light_of_sphere_.assign(geometry.spheres.size(), kNoId);
     for (uint32_t i = 0; i < geometry.spheres.size(); ++i) {
-        const Sphere& sphere = geometry.spheres[i];
-        if (!(emission[sphere.material] > 0)) continue;
+        const EmissionMap* const map = emission_of(geometry.spheres[i].material);
+        if (!map) continue;
         light_of_sphere_[i] = static_cast<uint32_t>(lights_.size());
         Light light = make_sphere_light(scene, i);
-        light.power = std::numbers::pi * light.area * emission[sphere.material];
+        light.power = std::numbers::pi * light.area * map->mean();
         lights_.push_back(light);
     }
 }
@@ -172,6 +179,7 @@ void LightTable::add_punctual_lights(const Scene& scene) {
         bounds.is_empty() ? 1.0 : 0.5 * length(Vec3d(bounds.upper) - Vec3d(bounds.lower));
     for (uint32_t i = 0; i < scene.punctual_lights().size(); ++i) {
         const PunctualLight& source = scene.punctual_lights()[i];
+        if (!source.shines()) continue;
         Light light;
         light.kind = source.kind == PunctualKind::point  ? LightKind::point
                      : source.kind == PunctualKind::spot ? LightKind::spot
@@ -188,7 +196,7 @@ void LightTable::add_punctual_lights(const Scene& scene) {
 std::optional<LightSample> LightTable::sample(const Scene& scene, const Vec3f& p, const Vec3f& n,
                                               float u_choice, const Vec2f& u) const {
     float probability = 1;
-    if (environment_probability_ > 0) {
+    if (kCompiledEffects.has(Effect::environment_image) && environment_probability_ > 0) {
         if (u_choice < environment_probability_) {
             const std::optional<EnvironmentSample> found = environment_.sample(u);
             if (!found || !(found->pdf > 0)) return std::nullopt;
@@ -229,17 +237,13 @@ std::optional<LightSample> LightTable::sample(const Scene& scene, const Vec3f& p
 
 std::optional<LightSample> LightTable::sample_light(const Scene& scene, const Light& light,
                                                     const Vec3f& p, const Vec2f& u) const {
-    switch (light.kind) {
-        case LightKind::triangle:
-            return sample_triangle_light(scene, light, p, u);
-        case LightKind::sphere:
+    if (kCompiledEffects.has(Effect::emissive_meshes)) {
+        if (light.kind == LightKind::triangle) return sample_triangle_light(scene, light, p, u);
+        if (kCompiledEffects.has(Effect::analytic_spheres) && light.kind == LightKind::sphere)
             return sample_sphere_light(scene, light, p, u);
-        case LightKind::point:
-        case LightKind::spot:
-        case LightKind::directional:
-            return sample_punctual_light(scene.punctual_lights()[light.punctual], light, p);
     }
-    return std::nullopt;
+    if (!kCompiledEffects.has(Effect::punctual_lights)) return std::nullopt;
+    return sample_punctual_light(scene.punctual_lights()[light.punctual], light, p);
 }
 
 uint32_t LightTable::light_of(PrimitiveId id) const {
@@ -267,6 +271,7 @@ float LightTable::pdf_surface(const Vec3f& p, const Vec3f& n, PrimitiveId id,
 }
 
 float LightTable::pdf_environment(const Vec3f& d) const {
+    if (!kCompiledEffects.has(Effect::environment_image)) return 0;
     return environment_probability_ > 0 ? environment_probability_ * environment_.pdf(d) : 0.0f;
 }
 

@@ -18,7 +18,7 @@
 namespace talbot {
 
 // Fewer lights are chosen by power alone: a quad's two triangles would not repay the descent.
-inline constexpr std::size_t kTreeLights = 3;
+inline constexpr std::ptrdiff_t kTreeLights = 3;
 
 enum class LightKind : uint8_t { triangle, sphere, point, spot, directional };
 

@@ -32,26 +32,20 @@ Vec3d sample_solid_angle(const TriangleView& view, double omega, const Vec2f& u)
     const Vec3d a = unit(view.a);
     const Vec3d b = unit(view.b);
     const Vec3d c = unit(view.c);
-    // Angle at a, and the arc from a to b.
-    const Vec3d toward_b = orthogonal_part(b, a);
-    const Vec3d toward_c = orthogonal_part(c, a);
-    const double cos_alpha = std::clamp(dot(toward_b, toward_c), -1.0, 1.0);
-    const double sin_alpha = std::sqrt(std::max(0.0, 1 - cos_alpha * cos_alpha));
-    const double cos_ab = std::clamp(dot(a, b), -1.0, 1.0);
-    // The corner c' on arc ac that leaves a sub-triangle of area u.x omega.
-    const double area = static_cast<double>(u.x) * omega;
-    const double sin_rest = std::sin(area) * cos_alpha - std::cos(area) * sin_alpha;
-    const double cos_rest = std::cos(area) * cos_alpha + std::sin(area) * sin_alpha;
-    const double k1 = cos_rest - cos_alpha;
-    const double k2 = sin_rest + sin_alpha * cos_ab;
-    const double numerator = (k2 * cos_rest - k1 * sin_rest) * cos_alpha - k2;
-    const double denominator = (k2 * sin_rest + k1 * cos_rest) * sin_alpha;
-    const double cos_arc = denominator != 0 ? std::clamp(numerator / denominator, -1.0, 1.0) : 1.0;
-    const Vec3d corner = cos_arc * a + std::sqrt(std::max(0.0, 1 - cos_arc * cos_arc)) * toward_c;
-    // Along the arc from b to c', uniformly in the cosine.
-    const double cos_bc = std::clamp(dot(corner, b), -1.0, 1.0);
-    const double z = 1 - static_cast<double>(u.y) * (1 - cos_bc);
-    return z * b + std::sqrt(std::max(0.0, 1 - z * z)) * orthogonal_part(corner, b);
+    // The corner c' on arc ac that leaves a sub-triangle of area u.x omega: a mirrored at a vector
+    // in the plane of both, whose parts follow from the half-angle formula of the area.
+    const double half = 0.5 * static_cast<double>(u.x) * omega;
+    const double volume = std::abs(dot(view.a, cross(view.b - view.a, view.c - view.a))) /
+                          (length(view.a) * length(view.b) * length(view.c));
+    const double along_a = volume * std::cos(half) - (dot(a, c) + dot(b, c)) * std::sin(half);
+    const double along_c = (1 + dot(a, b)) * std::sin(half);
+    const Vec3d axis = along_a * a + along_c * c;
+    const double square = dot(axis, axis);
+    const Vec3d corner = square > 0 ? 2 * dot(a, axis) / square * axis - a : a;
+    // Along the arc from b to c', uniformly in the cosine, counted from 1.
+    const Vec3d chord = corner - b;
+    const double t = static_cast<double>(u.y) * 0.5 * dot(chord, chord);
+    return (1 - t) * b + std::sqrt(std::max(0.0, t * (2 - t))) * orthogonal_part(corner, b);
 }
 
 }  // namespace talbot

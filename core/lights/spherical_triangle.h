@@ -1,6 +1,6 @@
 // Triangles seen as spherical triangles from a point: solid angle and uniform sampling of it (Arvo
-// 1995). Computed in double from edge vectors, so that small and distant triangles keep their
-// digits.
+// 1995, with the corner of Peters 2021, "BRDF importance sampling for polygonal lights"). Computed
+// in double from edge vectors, so that small and distant triangles keep their digits.
 #pragma once
 
 #include "core/math/vec.h"

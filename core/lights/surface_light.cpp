@@ -19,11 +19,18 @@ TriangleView view_from(const Light& light, const Vec3f& p) {
     return view;
 }
 
-// A cheap upper-bound-like guess of the solid angle, the same on the sampling and the density side.
+float longest_edge2(const Light& light) {
+    const Vec3f e3 = light.e2 - light.e1;
+    return std::max({dot(light.e1, light.e1), dot(light.e2, light.e2), dot(e3, e3)});
+}
+
+// A cheap guess whether cosine and distance vary over the triangle, the same on the sampling and
+// the density side: its solid angle, and for slender ones whether they reach far round the point.
 bool looks_large(const Light& light, const Vec3f& p) {
     const Vec3f center = light.p0 + (light.e1 + light.e2) * (1.0f / 3);
     const Vec3f to = center - p;
-    return light.area > kSolidAngleSampling * dot(to, to);
+    const float distance2 = dot(to, to);
+    return light.area > kSolidAngleSampling * distance2 || longest_edge2(light) > distance2;
 }
 
 Vec2f uv_at(const Mesh& mesh, uint32_t triangle, int set, float b1, float b2) {
@@ -41,6 +48,15 @@ struct SphereCone {
     double one_minus_cos = 0;
 };
 
+// A sphere light's record holds its centre and radius as sums of two floats each: near contact a
+// rounded radius would move the cone's cosine by much.
+Vec3d center_of(const Light& light) {
+    return Vec3d(light.p0) + Vec3d(light.e2);
+}
+double radius_of(const Light& light) {
+    return static_cast<double>(light.e1.x) + static_cast<double>(light.e1.y);
+}
+
 SphereCone cone_of(const Vec3d& center, double radius, const Vec3f& p) {
     SphereCone cone;
     const Vec3d to = center - Vec3d(p);
@@ -51,6 +67,11 @@ SphereCone cone_of(const Vec3d& center, double radius, const Vec3f& p) {
     cone.cos = std::sqrt(std::max(0.0, 1 - cone.sin2));
     cone.one_minus_cos = cone.sin2 / (1 + cone.cos);
     return cone;
+}
+
+double one_minus_cos(double angle) {
+    const double s = std::sin(0.5 * angle);
+    return 2 * s * s;
 }
 
 }  // namespace
@@ -89,7 +110,9 @@ Light make_sphere_light(const Scene& scene, uint32_t sphere) {
     light.material = source.material;
     light.two_sided = material.double_sided;
     light.p0 = Vec3f(source.center);
-    light.e1 = Vec3f(Vec3d(source.radius, 0, 0));
+    light.e2 = Vec3f(source.center - Vec3d(light.p0));
+    const auto radius = static_cast<float>(source.radius);
+    light.e1 = Vec3f(radius, static_cast<float>(source.radius - static_cast<double>(radius)), 0);
     light.area = static_cast<float>(4 * std::numbers::pi * source.radius * source.radius);
     light.radiance = material.emissive_factor * material.emissive_strength;
     return light;
@@ -197,8 +220,7 @@ std::optional<LightSample> sample_sphere_light(const Scene& scene, const Light& 
 }
 
 float pdf_sphere_light(const Light& light, const Vec3f& p) {
-    // The light record keeps float copies; both routines use the same ones through this density.
-    const SphereCone cone = cone_of(Vec3d(light.p0), static_cast<double>(light.e1.x), p);
+    const SphereCone cone = cone_of(center_of(light), radius_of(light), p);
     if (cone.inside || !(cone.one_minus_cos > 0)) return 0;
     return static_cast<float>(1 / (2 * std::numbers::pi * cone.one_minus_cos));
 }
@@ -226,12 +248,14 @@ std::optional<LightSample> sample_punctual_light(const PunctualLight& source, co
         attenuation *= std::clamp(1 - s * s * s * s, 0.0, 1.0);
     }
     if (light.kind == LightKind::spot) {
-        const double cos_outer = std::cos(static_cast<double>(source.outer_cone_angle));
-        const double cos_inner = std::cos(static_cast<double>(source.inner_cone_angle));
-        const double cosine = -dot(Vec3d(sample.wi), Vec3d(light.e1));
-        const double width = cos_inner - cos_outer;
-        const double s = width > 0 ? std::clamp((cosine - cos_outer) / width, 0.0, 1.0)
-                                   : (cosine > cos_outer ? 1.0 : 0.0);
+        // The extension's cosines as 1 - cos, which keeps the digits of narrow cones.
+        const double outer = one_minus_cos(static_cast<double>(source.outer_cone_angle));
+        const double inner = one_minus_cos(static_cast<double>(source.inner_cone_angle));
+        const Vec3d off_axis = to / distance + Vec3d(light.e1);
+        const double turn = 0.5 * dot(off_axis, off_axis);
+        const double width = outer - inner;
+        const double s =
+            width > 0 ? std::clamp((outer - turn) / width, 0.0, 1.0) : (turn < outer ? 1.0 : 0.0);
         attenuation *= s * s;
     }
     if (!(attenuation > 0)) return std::nullopt;

@@ -1,5 +1,5 @@
 // Discrete and piecewise-constant distributions with their tables in double: nothing that has
-// weight gets probability zero, and nothing without weight is ever picked.
+// weight has mass zero, and nothing without weight is ever picked.
 #pragma once
 
 #include <cstdint>
@@ -25,12 +25,21 @@ class DiscreteDistribution {
     bool is_empty() const { return cumulative_.empty(); }
     std::size_t size() const { return cumulative_.size(); }
     Pick sample(float u) const;
-    float probability(uint32_t index) const;
+    float probability(uint32_t index) const { return static_cast<float>(mass(index)); }
+    // The same in double: weight / total to 1e-6 over the whole range of weights.
+    double mass(uint32_t index) const;
     double total() const { return total_; }
 
   private:
+    struct Small {
+        uint32_t index;
+        double mass;
+    };
+    double small_mass(uint32_t index) const;
+
     std::vector<double>
         cumulative_;  // inclusive prefix sums, normalised; 1 from the last weighted index on
+    std::vector<Small> small_;  // in order of index: those that a difference of sums says badly
     double total_ = 0;
 };
 
@@ -49,6 +58,7 @@ class CellDistribution {
     bool is_empty() const { return rows_.is_empty(); }
     Pick sample(const Vec2f& u) const;
     float probability(uint32_t column, uint32_t row) const;
+    double mass(uint32_t column, uint32_t row) const;
 
   private:
     DiscreteDistribution rows_;

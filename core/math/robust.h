@@ -107,8 +107,11 @@ inline Vec3f safe_normalize(const Vec3f& v, const Vec3f& fallback) {
 }
 
 // Weight of strategy a against b by the power heuristic, in ratio form: no overflow for any
-// densities, infinity included (Veach 1997, section 9.2.4). Both 0 gives 0.
+// densities, infinity included (Veach 1997, section 9.2.4). Both 0 gives 0, and NaN gives NaN, so
+// that a density that is none does not go unseen.
 inline float power_heuristic(float pdf_a, float pdf_b) {
+    const float sum = pdf_a + pdf_b;
+    if (sum != sum) return sum;
     if (!(pdf_a > 0)) return 0;
     if (!(pdf_b > 0)) return 1;
     if (pdf_a >= pdf_b) {

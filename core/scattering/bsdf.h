@@ -10,6 +10,7 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <type_traits>
 
@@ -35,8 +36,6 @@ class Bsdf {
     static constexpr bool kCoat = kTier.has(Effect::clearcoat);
     static constexpr bool kSheen = kTier.has(Effect::sheen);
     static constexpr bool kThrough = kTier.has(Effect::diffuse_transmission);
-    static constexpr bool kExtended =
-        kThrough || kTier.has(Effect::anisotropy) || kTier.has(Effect::iridescence);
 
   public:
     // frame.n is the shading normal on wo's side, n_geometric the unit geometric normal on wo's
@@ -124,9 +123,9 @@ class Bsdf {
     float p_glass_ = 0;
     bool flat_ = true;
     bool lambert_ = true;
-    [[no_unique_address]] std::conditional_t<kGlossy || kGlass, OpaqueLayer<kExtended>, Absent>
-        opaque_;
-    [[no_unique_address]] std::conditional_t<kGlass, GlassLayer<kExtended>, Absent> glass_;
+    // Made in place: they are too large to copy at every hit.
+    std::conditional_t<kGlossy || kGlass, OpaqueLayer<kTier>, Absent> opaque_;
+    std::conditional_t<kGlass, GlassLayer<kTier>, Absent> glass_;
     [[no_unique_address]] std::conditional_t<kCoat, Coat, Absent> coat_;
     [[no_unique_address]] std::conditional_t<kSheen, Sheen, Absent> sheen_;
 };
@@ -225,16 +224,16 @@ void Bsdf<kTier>::make_base(const ShadingParams& params, bool outside, float wei
         if constexpr (kGlass) {
             if (transmission > 0) {
                 const bool thin = kThin && params.thin;
-                glass_ = GlassLayer<kExtended>(params, thin, specular, specular_color, outside,
-                                               transmission * weight, wo_local_);
+                std::construct_at(&glass_, params, thin, specular, specular_color, outside,
+                                  transmission * weight, wo_local_);
                 p_glass_ = 1;
                 albedo = glass_.albedo();
             }
         }
         if (transmission < 1) {
             const float share = 1 - transmission;
-            opaque_ = OpaqueLayer<kExtended>(params, metallic / share, kGlossy ? specular : 0.0f,
-                                             specular_color, share * weight, wo_local_);
+            std::construct_at(&opaque_, params, metallic / share, kGlossy ? specular : 0.0f,
+                              specular_color, share * weight, wo_local_);
             if (!flat_) tilt_scale_ = opaque_.diffuse_tilt_scale(dot(frame_.n, n_geometric_));
             const float sum = albedo + opaque_.albedo();
             if constexpr (kGlass) p_glass_ = sum > 0 ? albedo / sum : 0.0f;

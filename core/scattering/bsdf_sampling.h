@@ -30,7 +30,7 @@ std::optional<BsdfSample> Bsdf<kTier>::sample([[maybe_unused]] float u_lobe, con
     if constexpr (kGlass) {
         if (u_lobe < p_glass_)
             return sample_glass(std::min(u_lobe / p_glass_, kOneMinusEpsilon), u);
-        rest(p_glass_);
+        if (p_glass_ > 0) rest(p_glass_);
     }
     if constexpr (kGlossy || kGlass) {
         if (u_lobe < opaque_.specular_probability()) return sample_opaque_specular(u);

@@ -5,8 +5,8 @@
 // so that entering and leaving a closed body cancels. Rough interfaces are those of Walter et al.
 // 2007 with visible normals. base_color tints what is transmitted at each crossing.
 // KHR_materials_specular rescales the reflectance between its values at normal and at grazing
-// incidence; total internal reflection stays total. The extended layer also knows anisotropy and
-// thin films; a film is met from outside only, and what it reflects in its largest channel is
+// incidence; total internal reflection stays total. Tiers with the extensions also know anisotropy
+// and thin films; a film is met from outside only, and what it reflects in its largest channel is
 // missing from all channels of what is transmitted.
 #pragma once
 
@@ -18,11 +18,15 @@
 #include "core/scattering/fresnel.h"
 #include "core/scattering/ggx.h"
 #include "core/scattering/shading_params.h"
+#include "core/scene/effects.h"
 
 namespace talbot {
 
-template <bool kExtended>
+template <EffectSet kTier>
 class GlassLayer {
+    static constexpr bool kAnisotropic = kTier.has(Effect::anisotropy);
+    static constexpr bool kFilm = kTier.has(Effect::iridescence);
+
   public:
     GlassLayer() = default;
 
@@ -33,6 +37,9 @@ class GlassLayer {
         full_fresnel_ = m.ior == 0;
         const float ior = full_fresnel_ ? 1.0f : m.ior;
         eta_ = outside || thin ? ior : 1 / ior;
+        // The tables know indices from 1 on: a thinner inside is met as from within a denser one.
+        const float dense = ior < 1 ? 1 / ior : ior;
+        const bool from_thin = outside == !(ior < 1);
         plain_ = specular == 1 && specular_color == Rgb(1);
         if (!plain_) {
             f0_ = normal_reflectance(m.ior);
@@ -41,8 +48,8 @@ class GlassLayer {
         }
         straight_ = thin_ || is_index_matched(eta_);
         bool anisotropic = false;
-        if constexpr (kExtended) {
-            anisotropic = m.anisotropy > 0;
+        if constexpr (kAnisotropic) anisotropic = m.anisotropy > 0;
+        if constexpr (kFilm) {
             has_film_ = m.iridescence > 0 && outside;
             if (has_film_) make_film(m, specular, specular_color);
         }
@@ -57,12 +64,12 @@ class GlassLayer {
             slant_o_ = ggx_.slant(wo);
             const AnisotropicAlbedo albedo(across, m.anisotropy);
             weight_ /= straight_ ? albedo(wo).e()
-                                 : glass_albedo(wo.z, albedo.round_alpha(wo), ior, outside);
+                                 : glass_albedo(wo.z, albedo.round_alpha(wo), dense, from_thin);
         } else {
             ggx_ = Ggx(m.alpha);
             slant_o_ = ggx_.slant(wo);
             weight_ /= straight_ ? AlbedoRow(m.alpha)(wo.z).e()
-                                 : glass_albedo(wo.z, m.alpha, ior, outside);
+                                 : glass_albedo(wo.z, m.alpha, dense, from_thin);
         }
     }
 
@@ -92,7 +99,7 @@ class GlassLayer {
             const float t = f0_ < 1 ? std::max(total - f0_, 0.0f) / (1 - f0_) : 0.0f;
             s.reflected = normal_ + t * (Rgb(grazing_) - normal_);
         }
-        if constexpr (kExtended) {
+        if constexpr (kFilm) {
             if (has_film_) s.reflected += iridescence_ * (film_.at(cos_d) - s.reflected);
         }
         s.transmitted = std::max(1 - max_component(s.reflected), 0.0f) * tint_;
@@ -152,11 +159,11 @@ class GlassLayer {
     struct Absent {};
 
     bool has_film() const {
-        if constexpr (kExtended) return has_film_;
+        if constexpr (kFilm) return has_film_;
         return false;
     }
     void make_film(const ShadingParams& m, float specular, const Rgb& specular_color) {
-        if constexpr (kExtended) {
+        if constexpr (kFilm) {
             const Rgb f0 = glm::min(normal_reflectance(m.ior) * specular_color, Rgb(1)) * specular;
             for (std::size_t k = 0; k < film_.f.size(); ++k) {
                 film_.f[k] = film_reflectance(FilmNodes::cosine(static_cast<int>(k)),
@@ -211,7 +218,7 @@ class GlassLayer {
     bool thin_ = true;
     bool straight_ = true;
     bool delta_ = true;
-    [[no_unique_address]] std::conditional_t<kExtended, FilmNodes, Absent> film_;
+    [[no_unique_address]] std::conditional_t<kFilm, FilmNodes, Absent> film_;
     float iridescence_ = 0;
     bool has_film_ = false;
 };

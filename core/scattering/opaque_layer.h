@@ -9,7 +9,7 @@
 // Conty 2017), reciprocal and exact in energy. Part of the diffuse light may leave on the other
 // side (KHR_materials_diffuse_transmission).
 //
-// The extended layer also knows anisotropy and thin films; of a film's coloured reflectance the
+// Tiers with the extensions also know anisotropy and thin films; of a film's coloured reflectance the
 // base loses the largest channel, so that the other channels are darker by the difference.
 #pragma once
 
@@ -21,6 +21,7 @@
 #include "core/scattering/fresnel.h"
 #include "core/scattering/ggx.h"
 #include "core/scattering/shading_params.h"
+#include "core/scene/effects.h"
 
 namespace talbot {
 
@@ -28,20 +29,28 @@ namespace talbot {
 // from entering.
 inline constexpr float kGrazingMean = 1.0f / 7;
 
-// What the extended layer carries besides.
-struct OpaqueExtension {
-    AnisotropicAlbedo anisotropic;
-    FilmNodes film;  // specular reflectance, of dielectric and metal, compensated and weighted
+// What the layer carries besides for each extension that its tier has.
+struct OpaqueAnisotropy {
+    AnisotropicAlbedo albedo;
+    bool active = false;
+};
+struct OpaqueFilm {
+    FilmNodes specular;  // reflectance, of dielectric and metal, compensated and weighted
     FilmNodes dielectric;  // x: of the dielectric's largest channel
-    Rgb diffuse_through{0};
-    float p_through = 0;  // of diffuse light: the probability that it leaves on the other side
-    float alpha = 1;      // isotropic stand-in
-    bool is_anisotropic = false;
-    bool has_film = false;
+    float alpha = 1;       // isotropic stand-in
+    bool active = false;
+};
+struct OpaqueThrough {
+    Rgb diffuse{0};
+    float p = 0;  // of diffuse light: the probability that it leaves on the other side
 };
 
-template <bool kExtended>
+template <EffectSet kTier>
 class OpaqueLayer {
+    static constexpr bool kAnisotropic = kTier.has(Effect::anisotropy);
+    static constexpr bool kFilm = kTier.has(Effect::iridescence);
+    static constexpr bool kThrough = kTier.has(Effect::diffuse_transmission);
+
   public:
     OpaqueLayer() = default;
 
@@ -55,10 +64,10 @@ class OpaqueLayer {
         f0_ = max_component(dielectric);
         f90_ = specular;
         delta_ = m.alpha < kDeltaAlpha;
-        if constexpr (kExtended) {
-            extension_.is_anisotropic = m.anisotropy > 0;
-            extension_.has_film = m.iridescence > 0;
-            delta_ = delta_ && !extension_.is_anisotropic;
+        if constexpr (kFilm) film_.active = m.iridescence > 0;
+        if constexpr (kAnisotropic) {
+            anisotropy_.active = m.anisotropy > 0;
+            delta_ = delta_ && !anisotropy_.active;
         }
 
         Rgb specular_albedo;
@@ -94,7 +103,7 @@ class OpaqueLayer {
     float specular_probability() const { return p_specular_; }
     // Of diffuse samples: the share that leaves on the other side.
     float through_probability() const {
-        if constexpr (kExtended) return extension_.p_through;
+        if constexpr (kThrough) return through_.p;
         return 0;
     }
 
@@ -126,8 +135,8 @@ class OpaqueLayer {
     LobeValue eval_specular(const Vec3f& wi) const {
         if (delta_) return {};
         const GgxReflection r = ggx_.eval_reflection(wo_, slant_o_, wi);
-        if constexpr (kExtended) {
-            if (extension_.has_film) return {r.value_cos * extension_.film.at(r.cos_d), r.pdf};
+        if constexpr (kFilm) {
+            if (film_.active) return {r.value_cos * film_.specular.at(r.cos_d), r.pdf};
         }
         const Rgb fresnel = normal_ + schlick_weight(r.cos_d) * (grazing_ - normal_);
         return {r.value_cos * fresnel, r.pdf};
@@ -138,10 +147,9 @@ class OpaqueLayer {
     LobeValue eval_diffuse(float cos_i, bool through = false) const {
         if (p_specular_ == 1) return {};
         const float escaping = std::max(1 - dielectric_albedo(cos_i), 0.0f);
-        if constexpr (kExtended) {
-            const float p = extension_.p_through;
-            if (through)
-                return {(escaping * cos_i) * extension_.diffuse_through, p * (cos_i * kInvPi)};
+        if constexpr (kThrough) {
+            const float p = through_.p;
+            if (through) return {(escaping * cos_i) * through_.diffuse, p * (cos_i * kInvPi)};
             return {(escaping * cos_i) * diffuse_, (1 - p) * (cos_i * kInvPi)};
         }
         return {(escaping * cos_i) * diffuse_, cos_i * kInvPi};
@@ -157,38 +165,39 @@ class OpaqueLayer {
     struct Absent {};
 
     bool is_anisotropic() const {
-        if constexpr (kExtended) return extension_.is_anisotropic;
+        if constexpr (kAnisotropic) return anisotropy_.active;
         return false;
     }
     bool has_film() const {
-        if constexpr (kExtended) return extension_.has_film;
+        if constexpr (kFilm) return film_.active;
         return false;
     }
 
     void make_distribution(const ShadingParams& m) {
-        if constexpr (kExtended) {
-            if (extension_.is_anisotropic) {
+        if constexpr (kAnisotropic) {
+            if (anisotropy_.active) {
                 const float across = std::max(m.alpha, kDeltaAlpha);
                 const float along = anisotropic_alpha(across, m.anisotropy);
                 ggx_ = Ggx(along, across);
                 slant_o_ = ggx_.slant(wo_);
-                extension_.alpha = std::sqrt(along * across);
-                row_ = AlbedoRow(extension_.alpha);
-                extension_.anisotropic = AnisotropicAlbedo(across, m.anisotropy);
+                const float round = std::sqrt(along * across);
+                if constexpr (kFilm) film_.alpha = round;
+                row_ = AlbedoRow(round);
+                anisotropy_.albedo = AnisotropicAlbedo(across, m.anisotropy);
                 return;
             }
-            extension_.alpha = m.alpha;
         }
+        if constexpr (kFilm) film_.alpha = m.alpha;
         ggx_ = Ggx(m.alpha);
         slant_o_ = ggx_.slant(wo_);
         row_ = AlbedoRow(m.alpha);
     }
 
     // Both reflectances under the film; returns the specular albedo.
-    Rgb make_film(const ShadingParams& m, float metallic, const Rgb& dielectric, float specular,
+    [[gnu::noinline]] Rgb make_film(const ShadingParams& m, float metallic, const Rgb& dielectric, float specular,
                   float weight, float& s_o) {
         Rgb albedo(0);
-        if constexpr (kExtended) {
+        if constexpr (kFilm) {
             FilmNodes mixed;
             for (std::size_t k = 0; k < mixed.f.size(); ++k) {
                 const float mu = FilmNodes::cosine(static_cast<int>(k));
@@ -201,7 +210,7 @@ class OpaqueLayer {
                 };
                 const Rgb base = metallic < 1 ? under_film(dielectric, specular) : Rgb(0);
                 const Rgb metal = metallic > 0 ? under_film(m.base_color, 1) : Rgb(0);
-                extension_.dielectric.f[k] = Rgb(max_component(base));
+                film_.dielectric.f[k] = Rgb(max_component(base));
                 mixed.f[k] = base + metallic * (metal - base);
             }
             Rgb scale(weight);
@@ -210,9 +219,9 @@ class OpaqueLayer {
                 scale += (weight * directional_albedo(wo_).lost()) * mixed.at(wo_.z);
             }
             for (std::size_t k = 0; k < mixed.f.size(); ++k)
-                extension_.film.f[k] = scale * mixed.f[k];
-            albedo = delta_ ? extension_.film.at(wo_.z)
-                            : film_albedo(extension_.film, extension_.alpha, wo_.z);
+                film_.specular.f[k] = scale * mixed.f[k];
+            albedo = delta_ ? film_.specular.at(wo_.z)
+                            : film_albedo(film_.specular, film_.alpha, wo_.z);
             normal_ = albedo;
             s_o = dielectric_albedo(wo_.z);
             mean_s_ = hemisphere_mean([&](float mu) { return dielectric_albedo(mu); });
@@ -228,15 +237,15 @@ class OpaqueLayer {
             const float scale = mean_s_ < 1 ? kInvPi / (1 - mean_s_) : 0.0f;
             Rgb reflected = enters * m.base_color;
             diffuse_share = mean_component(reflected);
-            if constexpr (kExtended) {
+            if constexpr (kThrough) {
                 if (m.diffuse_transmission > 0) {
                     reflected = (1 - m.diffuse_transmission) * reflected;
                     const Rgb through =
                         (enters * m.diffuse_transmission) * m.diffuse_transmission_color;
                     const float through_share = mean_component(through);
                     diffuse_share = mean_component(reflected) + through_share;
-                    if (diffuse_share > 0) extension_.p_through = through_share / diffuse_share;
-                    extension_.diffuse_through = through * scale;
+                    if (diffuse_share > 0) through_.p = through_share / diffuse_share;
+                    through_.diffuse = through * scale;
                 }
             }
             diffuse_ = reflected * scale;
@@ -247,22 +256,24 @@ class OpaqueLayer {
 
     // Albedo of the distribution for a direction in the local frame.
     SchlickAlbedo directional_albedo(const Vec3f& w) const {
-        if constexpr (kExtended) {
-            if (extension_.is_anisotropic) return extension_.anisotropic(w);
+        if constexpr (kAnisotropic) {
+            if (anisotropy_.active) return anisotropy_.albedo(w);
         }
         return row_(w.z);
     }
 
     // S: the dielectric specular lobe's directional albedo in its largest channel.
     float dielectric_albedo(float mu) const {
-        if constexpr (kExtended) {
-            if (extension_.has_film) {
-                const float normal = extension_.dielectric.at(mu).x;
+        if constexpr (kFilm) {
+            if (film_.active) {
+                const float normal = film_.dielectric.at(mu).x;
                 if (delta_) return normal;
-                const float single = film_albedo(extension_.dielectric, extension_.alpha, mu).x;
+                const float single = film_albedo(film_.dielectric, film_.alpha, mu).x;
                 return std::min(single * (1 + normal * row_(mu).lost()), 1.0f);
             }
-            if (extension_.is_anisotropic) return compensated(extension_.anisotropic.around(mu));
+        }
+        if constexpr (kAnisotropic) {
+            if (anisotropy_.active) return compensated(anisotropy_.albedo.around(mu));
         }
         if (delta_) return f0_ + (f90_ - f0_) * schlick_weight(mu);
         return compensated(row_(mu));
@@ -284,7 +295,12 @@ class OpaqueLayer {
     float albedo_ = 0;
     float p_specular_ = 0;
     bool delta_ = false;
-    [[no_unique_address]] std::conditional_t<kExtended, OpaqueExtension, Absent> extension_;
+    // Types of their own, so that absent ones take no room.
+    struct NoFilm {};
+    struct NoThrough {};
+    [[no_unique_address]] std::conditional_t<kAnisotropic, OpaqueAnisotropy, Absent> anisotropy_;
+    [[no_unique_address]] std::conditional_t<kFilm, OpaqueFilm, NoFilm> film_;
+    [[no_unique_address]] std::conditional_t<kThrough, OpaqueThrough, NoThrough> through_;
 };
 
 }  // namespace talbot

@@ -35,9 +35,9 @@ struct ShadingParams {
     float iridescence_thickness = 400;  // nanometres
 };
 
-// Whether light from behind the surface can count.
+// Whether light from behind the surface can count. Metal lets none through.
 inline bool is_lit_through(const ShadingParams& p) {
-    return p.transmission > 0 || p.diffuse_transmission > 0;
+    return (p.transmission > 0 || p.diffuse_transmission > 0) && p.metallic < 1;
 }
 
 struct BsdfSample {

@@ -22,7 +22,7 @@ inline constexpr int kFilmNodes = 13;  // at cosines 0, 1/12, ... 1
 
 // A reflectance by cosine, piecewise linear between the nodes.
 struct FilmNodes {
-    std::array<Rgb, kFilmNodes> f{};
+    std::array<Rgb, kFilmNodes> f;  // set by whoever uses them: a dozen vectors to clear cost time
 
     static float cosine(int node) { return static_cast<float>(node) / (kFilmNodes - 1); }
 

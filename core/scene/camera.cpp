@@ -1,10 +1,12 @@
 #include "core/scene/camera.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/math/robust.h"
 #include "core/math/warp.h"
+#include "core/scene/compiled_effects.h"
 
 namespace talbot {
 namespace {
@@ -48,12 +50,17 @@ Camera make_orbit_camera(const Orbit& orbit) {
 }
 
 CameraRays::CameraRays(const Camera& camera, const Vec3d& scene_origin, uint32_t width,
-                       uint32_t height)
+                       uint32_t height, const Bounds& bounds)
     : kind_(camera.kind),
-      position_(camera.position - scene_origin),
-      axes_(Vec3f(camera.right), Vec3f(camera.up), Vec3f(camera.backward)),
       width_(static_cast<float>(width)),
-      height_(static_cast<float>(height)) {
+      height_(static_cast<float>(height)),
+      position_(camera.position - scene_origin),
+      reach_(std::numeric_limits<double>::infinity()),
+      axes_(camera.right, camera.up, camera.backward) {
+    if (!bounds.is_empty()) {
+        center_ = 0.5 * (Vec3d(bounds.lower) + Vec3d(bounds.upper));
+        reach_ = length(Vec3d(bounds.upper) - Vec3d(bounds.lower));
+    }
     const double image_aspect = static_cast<double>(width) / height;
     if (kind_ == CameraKind::perspective) {
         scale_y_ = std::tan(camera.yfov / 2);
@@ -81,26 +88,39 @@ CameraRays::CameraRays(const Camera& camera, const Vec3d& scene_origin, uint32_t
 Ray CameraRays::ray(float px, float py, const Vec2f& lens) const {
     const double x = (2.0 * px / width_ - 1) * scale_x_ + shift_.x;
     const double y = (1 - 2.0 * py / height_) * scale_y_ + shift_.y;
-    Ray ray;
+    Vec3d direction(0, 0, -1);
+    Vec3d origin(0);
     if (kind_ == CameraKind::orthographic) {
-        ray.o = position_ + axes_ * Vec3f(static_cast<float>(x), static_cast<float>(y), 0.0f);
-        ray.d = -axes_[2];
-        return ray;
+        origin = Vec3d(x, y, 0);
+    } else {
+        direction = Vec3d(x, y, -1);
+        if (kCompiledEffects.has(Effect::depth_of_field) && aperture_radius_ > 0) {
+            const Vec2f disk = aperture_radius_ * sample_concentric_disk(lens);
+            origin = Vec3d(disk.x, disk.y, 0);
+            // Divided, not multiplied: a focus at infinity makes rays parallel.
+            direction -= origin / static_cast<double>(focus_distance_);
+        }
+        direction = normalize(direction);
     }
-    Vec3d direction(x, y, -1);
-    Vec3f origin(0);
-    if (aperture_radius_ > 0) {
-        const Vec2f disk = aperture_radius_ * sample_concentric_disk(lens);
-        origin = Vec3f(disk.x, disk.y, 0.0f);
-        direction = direction * static_cast<double>(focus_distance_) - Vec3d(origin);
-    }
-    ray.o = position_ + axes_ * origin;
-    ray.d = axes_ * Vec3f(normalize(direction));
+    origin = position_ + axes_ * origin;
+    direction = axes_ * direction;
+    // Nothing lies nearer than half the sphere's diameter before its middle; the other half is
+    // room for rounding.
+    const double start = dot(center_ - origin, direction) - reach_;
+    if (start > 0) origin += start * direction;
+    Ray ray;
+    ray.o = Vec3f(origin);
+    ray.d = Vec3f(direction);
     return ray;
 }
 
+float CameraRays::distance_to(const Ray& ray, float t) const {
+    const Vec3d to = Vec3d(ray.o) + static_cast<double>(t) * Vec3d(ray.d) - position_;
+    return static_cast<float>(kind_ == CameraKind::orthographic ? -dot(to, axes_[2]) : length(to));
+}
+
 std::optional<Vec2f> CameraRays::project(const Vec3f& point) const {
-    const Vec3d local = Vec3d(glm::transpose(axes_) * (point - position_));
+    const Vec3d local = glm::transpose(axes_) * (Vec3d(point) - position_);
     double x = local.x;
     double y = local.y;
     if (kind_ == CameraKind::perspective) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "core/geometry/accel.h"
 #include "core/math/ray.h"
 #include "core/math/vec.h"
 
@@ -56,10 +57,16 @@ void look_at(Camera& camera, const Vec3d& eye, const Vec3d& target, const Vec3d&
 // A camera made ready for one image size in re-centred coordinates.
 class CameraRays {
   public:
-    CameraRays(const Camera& camera, const Vec3d& scene_origin, uint32_t width, uint32_t height);
+    // `bounds`, re-centred, of all that rays can hit: rays of a far camera begin near it, so that their rounding is that of the
+    // scene's coordinates, not of the camera's. Empty: rays begin at the camera.
+    CameraRays(const Camera& camera, const Vec3d& scene_origin, uint32_t width, uint32_t height, const Bounds& bounds = {});
 
-    // The ray through image position (px, py), pixels from the top left corner; lens in [0,1)^2. d has unit length.
+    // The ray through image position (px, py), pixels from the top left corner; lens in [0,1)^2. d has unit length. Everything is
+    // calculated in double and rounded once.
     Ray ray(float px, float py, const Vec2f& lens) const;
+
+    // Metres from the camera's middle (an orthographic one: its plane) to the point at t of a ray.
+    float distance_to(const Ray& ray, float t) const;
 
     bool has_lens() const { return aperture_radius_ > 0; }
 
@@ -68,15 +75,17 @@ class CameraRays {
 
   private:
     CameraKind kind_;
-    Vec3f position_;
-    Mat3f axes_;          // columns: right, up, backward
     float width_;
     float height_;
     double scale_x_;      // half-extents of the view window at distance 1 (perspective) or in metres (orthographic)
     double scale_y_;
     Vec2d shift_;         // in half-extents
+    Vec3d position_;
+    Vec3d center_{0};     // of a sphere round the scene
     float aperture_radius_;
     float focus_distance_;
+    double reach_;        // the sphere's diameter
+    Mat3d axes_;          // columns: right, up, backward
 };
 
 }  // namespace talbot

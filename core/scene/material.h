@@ -11,6 +11,9 @@ namespace talbot {
 
 enum class AlphaMode : uint8_t { opaque, mask, blend };
 
+// The least isotropic scattering that is told from none.
+inline constexpr float kLargestAnisotropy = 1 - 0x1p-16f;
+
 struct Material {
     std::string name;
 
@@ -47,6 +50,10 @@ struct Material {
     Rgb attenuation_color{1};    // white light's colour after attenuation_distance metres of world length
     float attenuation_distance = std::numeric_limits<float>::infinity();
 
+    Rgb multiscatter_color{0};     // KHR_materials_volume_scatter: what a thick body returns; volumes only
+    float scatter_anisotropy = 0;  // Henyey-Greenstein's g, in (-1, 1)
+    float nested_priority = 0;     // extras.nestedPriority: where volumes overlap, the highest fills the space
+
     float dispersion = 0;  // KHR_materials_dispersion: 20 / Abbe number; volumes only
 
     float diffuse_transmission_factor = 0;  // KHR_materials_diffuse_transmission
@@ -77,6 +84,8 @@ struct Material {
     float iridescence_thickness_maximum = 400;  // where it is 1, or where there is none
     TextureSlot iridescence_thickness_texture;  // G
 
+    bool operator==(const Material&) const = default;
+
     bool is_emissive() const {
         return emissive_strength > 0 && (emissive_factor.x > 0 || emissive_factor.y > 0 || emissive_factor.z > 0);
     }
@@ -85,9 +94,36 @@ struct Material {
         return (transmission_factor > 0 || diffuse_transmission_factor > 0) &&
                thickness_factor > 0;
     }
+    // Whether the volume scatters light inside. Without attenuation there is nothing to scatter.
+    bool scatters() const {
+        return is_volume() && attenuation_distance < std::numeric_limits<float>::infinity() &&
+               (multiscatter_color.x > 0 || multiscatter_color.y > 0 || multiscatter_color.z > 0) &&
+               attenuation_color != Rgb(1);
+    }
     bool has_sheen() const {
         return sheen_color_factor.x > 0 || sheen_color_factor.y > 0 || sheen_color_factor.z > 0;
     }
+};
+
+// Every texture of a material.
+inline constexpr TextureSlot Material::*kTextureSlots[] = {
+    &Material::base_color_texture,
+    &Material::metallic_roughness_texture,
+    &Material::normal_texture,
+    &Material::emissive_texture,
+    &Material::specular_texture,
+    &Material::specular_color_texture,
+    &Material::transmission_texture,
+    &Material::diffuse_transmission_texture,
+    &Material::diffuse_transmission_color_texture,
+    &Material::clearcoat_texture,
+    &Material::clearcoat_roughness_texture,
+    &Material::clearcoat_normal_texture,
+    &Material::sheen_color_texture,
+    &Material::sheen_roughness_texture,
+    &Material::anisotropy_texture,
+    &Material::iridescence_texture,
+    &Material::iridescence_thickness_texture,
 };
 
 }  // namespace talbot

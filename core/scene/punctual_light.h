@@ -20,6 +20,10 @@ struct PunctualLight {
     float inner_cone_angle = 0;  // radians, 0 <= inner < outer <= pi/2
     float outer_cone_angle = 0.78539816f;
 
+    // Whether it sends anything.
+    bool shines() const {
+        return intensity > 0 && (color.x > 0 || color.y > 0 || color.z > 0);
+    }
     bool operator==(const PunctualLight&) const = default;
 };
 

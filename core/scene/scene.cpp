@@ -49,23 +49,47 @@ BoundsD mesh_bounds(const Mesh& mesh) {
     return box;
 }
 
+// Largest side of a box after the linear part of a transform: it does not depend on where things
+// are.
+double side_after(const BoundsD& box, const Mat4d& m) {
+    const Vec3d sides = box.upper - box.lower;
+    Vec3d after(0);
+    for (int axis = 0; axis < 3; ++axis) after += glm::abs(Vec3d(m[axis])) * sides[axis];
+    return max_component(after);
+}
+
 // The component-wise lower median of where things are: it moves with the scene and ignores a few
-// far or huge things.
+// far or huge things. Rounded to a step from the things' own sizes, so that it moves exactly when
+// the scene is moved by whole steps: then re-centred coordinates keep every bit. Neither rounding
+// has its ties where coordinates and sizes of models usually lie.
 Vec3d choose_origin(const SceneDesc& desc, const std::vector<BoundsD>& boxes) {
+    constexpr double kTie = 0.381966;
+    constexpr int kStepsPerSide = 6;  // as a power of two
     std::vector<Vec3d> centers;
+    std::vector<double> sides;
     for (const MeshInstance& instance : desc.instances) {
-        if (boxes[instance.mesh].is_empty()) continue;
-        centers.push_back(
-            transform_point(instance.world_from_object, boxes[instance.mesh].center()));
+        const BoundsD& box = boxes[instance.mesh];
+        if (box.is_empty()) continue;
+        centers.push_back(transform_point(instance.world_from_object, box.center()));
+        sides.push_back(side_after(box, instance.world_from_object));
     }
-    for (const Sphere& sphere : desc.spheres) centers.push_back(sphere.center);
+    for (const Sphere& sphere : desc.spheres) {
+        centers.push_back(sphere.center);
+        sides.push_back(2 * sphere.radius);
+    }
     Vec3d origin(0);
     if (centers.empty()) return origin;
+    const auto middle = static_cast<std::ptrdiff_t>((centers.size() - 1) / 2);
+    std::nth_element(sides.begin(), sides.begin() + middle, sides.end());
+    int exponent = 0;
+    const double mantissa = std::frexp(sides[static_cast<std::size_t>(middle)], &exponent);
+    const double step = std::ldexp(mantissa > 0 ? 1.0 : 0.0,
+                                   exponent - kStepsPerSide + (mantissa > 0.5 + kTie / 2 ? 1 : 0));
     for (int axis = 0; axis < 3; ++axis) {
-        const auto middle = centers.begin() + static_cast<std::ptrdiff_t>((centers.size() - 1) / 2);
-        std::nth_element(centers.begin(), middle, centers.end(),
+        std::nth_element(centers.begin(), centers.begin() + middle, centers.end(),
                          [axis](const Vec3d& a, const Vec3d& b) { return a[axis] < b[axis]; });
-        origin[axis] = (*middle)[axis];
+        const double center = centers[static_cast<std::size_t>(middle)][axis];
+        origin[axis] = step > 0 ? std::floor(center / step + kTie) * step : center;
     }
     return origin;
 }
@@ -108,7 +132,15 @@ SceneInstance place(const MeshInstance& source, const Mat4d& recentred) {
     return instance;
 }
 
+// White is no colour; interpolated it would not be white to the last bit.
+void drop_white_colors(Mesh& mesh) {
+    if (std::all_of(mesh.colors.begin(), mesh.colors.end(),
+                    [](const Vec4f& c) { return c == Vec4f(1); }))
+        mesh.colors.clear();
+}
+
 void place_meshes(SceneDesc& desc, SceneGeometry& geometry) {
+    for (Mesh& mesh : desc.meshes) drop_white_colors(mesh);
     std::vector<uint64_t> uses(desc.meshes.size(), 0);
     for (const MeshInstance& instance : desc.instances) ++uses[instance.mesh];
     // Shared meshes keep their index; baked ones are appended or moved.
@@ -139,19 +171,6 @@ void place_meshes(SceneDesc& desc, SceneGeometry& geometry) {
     }
 }
 
-AccelInput accel_input(const SceneGeometry& geometry, BuildQuality quality) {
-    AccelInput input;
-    input.quality = quality;
-    for (const Mesh& mesh : geometry.meshes) input.meshes.push_back({mesh.positions, mesh.indices});
-    for (const SceneInstance& instance : geometry.instances) {
-        input.instances.push_back(
-            {instance.mesh, instance.identity, instance.world_from_object, true});
-    }
-    for (const Sphere& sphere : geometry.spheres)
-        input.spheres.push_back({sphere.center, sphere.radius, true});
-    return input;
-}
-
 BoundsD instance_bounds(const SceneGeometry& geometry, const SceneInstance& instance) {
     BoundsD box;
     Mat4d world = instance.world_from_object;
@@ -171,6 +190,19 @@ void give_bounds(const BoundsD& box, Vec3d& lower, Vec3d& upper) {
 }
 
 }  // namespace
+
+AccelInput accel_input(const SceneGeometry& geometry, BuildQuality quality) {
+    AccelInput input;
+    input.quality = quality;
+    for (const Mesh& mesh : geometry.meshes) input.meshes.push_back({mesh.positions, mesh.indices});
+    for (const SceneInstance& instance : geometry.instances) {
+        input.instances.push_back(
+            {instance.mesh, instance.identity, instance.world_from_object, true});
+    }
+    for (const Sphere& sphere : geometry.spheres)
+        input.spheres.push_back({sphere.center, sphere.radius, true});
+    return input;
+}
 
 std::shared_ptr<const Scene> Scene::build(SceneDesc desc, WorkerPool& pool,
                                           const SceneBuildOptions& options) {
@@ -193,6 +225,7 @@ std::shared_ptr<const Scene> Scene::build(SceneDesc desc, WorkerPool& pool,
     scene->geometry_ = std::move(geometry);
     scene->textures_ = std::make_shared<const std::vector<Texture>>(std::move(desc.textures));
     scene->materials_ = std::move(desc.materials);
+    scene->measure_textures(pool);
     scene->lights_ = std::move(desc.lights);
     scene->cameras_ = std::move(desc.cameras);
     scene->environment_ = std::move(desc.environment);
@@ -200,6 +233,37 @@ std::shared_ptr<const Scene> Scene::build(SceneDesc desc, WorkerPool& pool,
         About{std::move(desc.file), std::move(desc.name), std::move(desc.sha256),
               std::move(desc.extensions), std::move(desc.warnings)});
     return scene;
+}
+
+void Scene::measure_textures(WorkerPool& pool) {
+    auto facts = std::make_shared<TexelFacts>();
+    facts->ranges.resize(textures_->size());
+    pool.parallel_for(textures_->size(), [&](uint64_t i, unsigned) {
+        const Texture& texture = (*textures_)[i];
+        if (texture.image) facts->ranges[i] = talbot::texel_range(*texture.image);
+    });
+    facts->alpha.resize(geometry_->meshes.size());
+    // By texture, so that only one pyramid is held at a time.
+    std::vector<std::vector<uint32_t>> meshes(textures_->size());
+    for (uint32_t i = 0; i < geometry_->meshes.size(); ++i) {
+        const Mesh& mesh = geometry_->meshes[i];
+        if (mesh.indices.empty() || !mesh.colors.empty() || mesh.material >= materials_.size())
+            continue;
+        const TextureSlot& slot = materials_[mesh.material].base_color_texture;
+        if (slot.used() && !facts->ranges[slot.texture].is_constant(kChannelAlpha))
+            meshes[slot.texture].push_back(i);
+    }
+    for (std::size_t t = 0; t < meshes.size(); ++t) {
+        if (meshes[t].empty()) continue;
+        const Texture& texture = (*textures_)[t];
+        const AlphaPyramid pyramid(*texture.image);
+        pool.parallel_for(meshes[t].size(), [&](uint64_t k, unsigned) {
+            const Mesh& mesh = geometry_->meshes[meshes[t][k]];
+            facts->alpha[meshes[t][k]] = std::make_unique<const MeshAlpha>(measure_alpha(
+                mesh, materials_[mesh.material].base_color_texture, texture, pyramid));
+        });
+    }
+    texel_facts_ = std::move(facts);
 }
 
 void Scene::world_bounds(Vec3d& lower, Vec3d& upper) const {
@@ -233,6 +297,20 @@ std::shared_ptr<const Scene> Scene::with_material(uint32_t index, Material mater
     TALBOT_CHECK(index < materials_.size());
     auto scene = std::make_shared<Scene>(*this);
     scene->materials_[index] = std::move(material);
+    return scene;
+}
+
+std::shared_ptr<const Scene> Scene::with_materials(std::vector<Material> materials) const {
+    TALBOT_CHECK(materials.size() == materials_.size());
+    auto scene = std::make_shared<Scene>(*this);
+    scene->materials_ = std::move(materials);
+    return scene;
+}
+
+std::shared_ptr<const Scene> Scene::with_geometry(
+    std::shared_ptr<const SceneGeometry> geometry) const {
+    auto scene = std::make_shared<Scene>(*this);
+    scene->geometry_ = std::move(geometry);
     return scene;
 }
 

@@ -10,6 +10,7 @@
 
 #include "core/base/worker_pool.h"
 #include "core/geometry/accel.h"
+#include "core/scene/alpha_ranges.h"
 #include "core/scene/scene_desc.h"
 
 namespace talbot {
@@ -37,6 +38,9 @@ struct SceneGeometry {
     std::shared_ptr<const Accel> accel;
 };
 
+// What the intersector is built from; spans point into the geometry.
+AccelInput accel_input(const SceneGeometry& geometry, BuildQuality quality);
+
 struct SceneBuildOptions {
     bool brute_force = false;  // no acceleration structure
     BuildQuality quality = BuildQuality::high;
@@ -51,7 +55,15 @@ class Scene {
 
     const SceneGeometry& geometry() const { return *geometry_; }
     const Accel& accel() const { return *geometry_->accel; }
+    const std::shared_ptr<const SceneGeometry>& shared_geometry() const { return geometry_; }
     std::span<const Texture> textures() const { return *textures_; }
+    // Over the whole image of a texture.
+    const TexelRange& texel_range(uint32_t texture) const { return texel_facts_->ranges[texture]; }
+    // Alpha per triangle of a mesh, where its texture's alpha varies and nothing but the material's
+    // factor comes on top; else null.
+    const MeshAlpha* mesh_alpha(uint32_t mesh) const {
+        return mesh < texel_facts_->alpha.size() ? texel_facts_->alpha[mesh].get() : nullptr;
+    }
     const std::vector<Material>& materials() const { return materials_; }
     const std::vector<PunctualLight>& punctual_lights() const { return lights_; }
     const std::vector<Camera>& cameras() const { return cameras_; }
@@ -81,10 +93,18 @@ class Scene {
     // Edited copies that share all heavy tables. A change that alters which instances are filtered (alpha mode, sidedness) is
     // answered from the material at hit time, so no rebuild is needed.
     std::shared_ptr<const Scene> with_material(uint32_t index, Material material) const;
+    std::shared_ptr<const Scene> with_materials(std::vector<Material> materials) const;
+    std::shared_ptr<const Scene> with_geometry(std::shared_ptr<const SceneGeometry> geometry) const;
     std::shared_ptr<const Scene> with_punctual_light(uint32_t index, PunctualLight light) const;
     std::shared_ptr<const Scene> with_environment(Environment environment) const;
 
   private:
+    struct TexelFacts {
+        std::vector<TexelRange> ranges;                       // by texture
+        std::vector<std::unique_ptr<const MeshAlpha>> alpha;  // by mesh
+    };
+    void measure_textures(WorkerPool& pool);
+
     struct About {
         std::string file, name, sha256;
         std::vector<ExtensionUse> extensions;
@@ -93,6 +113,7 @@ class Scene {
 
     std::shared_ptr<const SceneGeometry> geometry_;
     std::shared_ptr<const std::vector<Texture>> textures_;
+    std::shared_ptr<const TexelFacts> texel_facts_ = std::make_shared<const TexelFacts>();
     std::vector<Material> materials_;
     std::vector<PunctualLight> lights_;
     std::vector<Camera> cameras_;

@@ -2,6 +2,7 @@
 // light before it is weighted.
 #include "core/scene/texture.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -71,6 +72,10 @@ inline uint32_t nearest_texel(float u, uint32_t size) {
 
 }  // namespace
 
+float decode_byte(uint8_t byte, TextureEncoding encoding) {
+    return encoding == TextureEncoding::srgb ? kDecode.srgb[byte] : kDecode.linear[byte];
+}
+
 Vec4f eval_texture(const Texture& texture, const Vec2f& uv, TextureEncoding encoding) {
     const Image8& image = *texture.image;
     const float* color =
@@ -90,11 +95,33 @@ Vec4f eval_texture(const Texture& texture, const Vec2f& uv, TextureEncoding enco
     }
     const TexelPair x = texel_pair(u, image.width, texture.wrap_u);
     const TexelPair y = texel_pair(v, image.height, texture.wrap_v);
-    const Vec4f top =
-        decode(x.first, y.first) * (1 - x.weight) + decode(x.second, y.first) * x.weight;
-    const Vec4f bottom =
-        decode(x.first, y.second) * (1 - x.weight) + decode(x.second, y.second) * x.weight;
-    return top * (1 - y.weight) + bottom * y.weight;
+    // In this form equal texels give exactly their value in every channel, whatever the weights:
+    // weights that sum to 1 only up to rounding would leave traces in an even area.
+    const auto between = [](const Vec4f& a, const Vec4f& b, float weight) {
+        return a + (b - a) * weight;
+    };
+    const Vec4f top = between(decode(x.first, y.first), decode(x.second, y.first), x.weight);
+    const Vec4f bottom = between(decode(x.first, y.second), decode(x.second, y.second), x.weight);
+    return between(top, bottom, y.weight);
+}
+
+Vec4f TexelRange::value(TextureEncoding encoding) const {
+    return Vec4f(decode_byte(least[0], encoding), decode_byte(least[1], encoding),
+                 decode_byte(least[2], encoding), decode_byte(least[3], TextureEncoding::linear));
+}
+
+TexelRange texel_range(const Image8& image) {
+    TexelRange range;
+    if (image.rgba.size() < 4) return range;
+    range.least = {255, 255, 255, 255};
+    range.most = {0, 0, 0, 0};
+    for (std::size_t i = 0; i + 3 < image.rgba.size(); i += 4) {
+        for (std::size_t c = 0; c < 4; ++c) {
+            range.least[c] = std::min(range.least[c], image.rgba[i + c]);
+            range.most[c] = std::max(range.most[c], image.rgba[i + c]);
+        }
+    }
+    return range;
 }
 
 }  // namespace talbot

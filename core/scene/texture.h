@@ -2,6 +2,7 @@
 // glTF asks.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -20,6 +21,11 @@ struct Image8 {
     std::string name;
 };
 
+// Bits of the channels R, G, B, A.
+inline constexpr unsigned kChannelsRgb = 7;
+inline constexpr unsigned kChannelsRgba = 15;
+inline constexpr unsigned kChannelAlpha = 8;
+
 enum class TextureWrap : uint8_t { repeat, mirrored_repeat, clamp_to_edge };
 enum class TextureFilter : uint8_t { linear, nearest };
 
@@ -33,6 +39,26 @@ struct Texture {
 
 // How colour channels are decoded: the alpha channel is linear in both.
 enum class TextureEncoding : uint8_t { linear, srgb };
+
+// A stored byte as linear light.
+float decode_byte(uint8_t byte, TextureEncoding encoding);
+
+// Least and greatest byte of each channel over a whole image.
+struct TexelRange {
+    std::array<uint8_t, 4> least{0, 0, 0, 0};
+    std::array<uint8_t, 4> most{255, 255, 255, 255};
+
+    // Whether each of these channels has the same byte everywhere, so that every lookup gives it.
+    bool is_constant(unsigned channels) const {
+        for (unsigned c = 0; c < 4; ++c) {
+            if ((channels >> c & 1) != 0 && least[c] != most[c]) return false;
+        }
+        return true;
+    }
+    // What a lookup gives where the channels are constant.
+    Vec4f value(TextureEncoding encoding) const;
+};
+TexelRange texel_range(const Image8& image);
 
 // Filtered lookup at uv (V down, any finite value; non-finite gives texel 0,0). Channels in 0..1.
 Vec4f eval_texture(const Texture& texture, const Vec2f& uv, TextureEncoding encoding);

@@ -14,6 +14,7 @@
 #include "core/accuracy/metrics.h"
 #include "core/integrate/tiers.h"
 #include "core/session/ab_side.h"
+#include "core/session/prepared_view.h"
 
 namespace talbot {
 namespace {
@@ -170,10 +171,6 @@ class SideError {
     std::vector<Level> levels_;
 };
 
-std::size_t tier_of(const Scene& scene, const Camera& camera, const RenderSettings& settings) {
-    return smallest_tier(analyse_effects(scene, camera).active | settings.forced_on);
-}
-
 }  // namespace
 
 class AbComparison::Impl {
@@ -235,16 +232,16 @@ class AbComparison::Impl {
 
         void go(const std::shared_ptr<const Scene>& scene) {
             WorkerPool pool(policy_.threads);
-            const auto render_scene = std::make_shared<const RenderScene>(scene);
+            PreparedView view;
             for (std::size_t i = 0; i < 2; ++i) {
                 const AbConfig& config = configs_[i];
+                view = prepare_view(scene, camera_, config.settings, pool, &view);
                 TileKernel kernel = config.kernel;
                 if (kernel == nullptr) {
-                    const std::size_t tier = tier_of(*scene, camera_, config.settings);
-                    kernel = tile_kernel(tier);
-                    kernel_names_[i] = kTiers[tier].name;
+                    kernel = tile_kernel(view.tier);
+                    kernel_names_[i] = kTiers[view.tier].name;
                 }
-                sides_[i].emplace(render_scene, camera_, config.settings, kernel);
+                sides_[i].emplace(view.scene, view.camera, config.settings, kernel);
             }
             AbRender &a = *sides_[0], &b = *sides_[1];
             const Clock::time_point begin = Clock::now();

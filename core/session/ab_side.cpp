@@ -18,7 +18,7 @@ double clock_seconds() {
 double thread_cpu_seconds() {
     timespec t{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+    return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec) / 1e9;
 }
 
 }  // namespace
@@ -26,7 +26,8 @@ double thread_cpu_seconds() {
 AbRender::AbRender(std::shared_ptr<const RenderScene> scene, const Camera& camera,
                    const RenderSettings& settings, TileKernel kernel)
     : scene_(std::move(scene)),
-      camera_(camera, scene_->scene().origin(), settings.width, settings.height),
+      camera_(camera, scene_->scene().origin(), settings.width, settings.height,
+              scene_->scene().geometry().bounds),
       settings_(settings),
       path_(path_settings(settings)),
       kernel_(kernel),

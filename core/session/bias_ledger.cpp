@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/accuracy/error_estimate.h"
+#include "core/session/prepared_view.h"
 #include "core/session/render_pass.h"
 
 namespace talbot {
@@ -26,7 +27,6 @@ class SmallView {
               WorkerPool& pool, const std::stop_token& stop)
         : scene_(scene),
           camera_(camera),
-          effects_(analyse_effects(*scene, camera)),
           exposure_ev_(exposure_ev),
           pool_(pool),
           stop_(stop) {}
@@ -37,7 +37,7 @@ class SmallView {
         side.film = Film(settings.width, settings.height);
         ErrorTracker tracker;
         tracker.reset(static_cast<float>(exposure_ev_));
-        const std::size_t tier = smallest_tier(effects_.active | settings.forced_on);
+        view_ = prepare_view(scene_, camera_, settings, pool_, &view_);
         double seconds = 0;
         for (uint64_t n = 1; n <= kSamples; n *= 2) {
             side.half = side.film;
@@ -45,7 +45,7 @@ class SmallView {
             const std::stop_callback ask(stop_, [&stop] { stop.request_stop(); });
             TileCounts counts;
             const auto start = std::chrono::steady_clock::now();
-            if (!render_pass({scene_, camera_, settings, tier, n}, side.film, pool_, stop, {},
+            if (!render_pass({*view_.scene, view_.camera, settings, view_.tier, n}, side.film, pool_, stop, {},
                              counts))
                 return std::nullopt;
             seconds +=
@@ -58,9 +58,9 @@ class SmallView {
     }
 
   private:
-    const RenderScene scene_;
+    const std::shared_ptr<const Scene> scene_;
     const Camera& camera_;
-    const EffectReport effects_;
+    PreparedView view_;
     const double exposure_ev_;
     WorkerPool& pool_;
     const std::stop_token stop_;
@@ -75,6 +75,12 @@ std::vector<BiasedSwitch> biased_switches(const RenderSettings& settings) {
         BiasedSwitch depth{"max-depth " + std::to_string(settings.max_depth), settings};
         depth.unbiased.max_depth = defaults.max_depth;
         list.push_back(std::move(depth));
+    }
+    for (const EffectInfo& info : kEffects) {
+        if (!settings.forced_off.has(info.effect)) continue;
+        BiasedSwitch effect{"effects -" + std::string(info.name), settings};
+        effect.unbiased.forced_off.remove(info.effect);
+        list.push_back(std::move(effect));
     }
     return list;
 }
@@ -111,6 +117,9 @@ std::vector<BiasEntry> measure_bias(const std::shared_ptr<const Scene>& scene, c
     const double scale = std::min(1.0, std::sqrt(kPixels / pixels));
     small.width = std::max(1u, static_cast<uint32_t>(std::lround(settings.width * scale)));
     small.height = std::max(1u, static_cast<uint32_t>(std::lround(settings.height * scale)));
+    // What the scene does not use is off anyway.
+    if (small.forced_off != EffectSet{})
+        small.forced_off = small.forced_off & analyse_effects(*scene, camera).active;
     const std::vector<BiasedSwitch> switches = biased_switches(small);
     if (switches.empty()) return ledger;
     SmallView view(scene, camera, exposure_ev, pool, stop);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <variant>
 
+#include "core/film/aov.h"
 #include "core/scene/scene.h"
 #include "core/session/film_state.h"
 #include "core/session/settings.h"
@@ -15,6 +16,7 @@ namespace talbot {
 struct SetScene {
     std::shared_ptr<const Scene> scene;
     Camera camera;
+    bool same_objects = false;  // the last scene in another moment: its selection and speed hold
 };
 struct SetCamera {
     Camera camera;
@@ -47,6 +49,9 @@ struct SetSelection {
 struct SetErrorExposure {
     float ev = 0;
 };
+struct SetAov {
+    std::optional<Aov> aov;  // asks for this variable in the snapshots while set
+};
 // The next restart begins with these samples instead of none; submitted before the SetScene that it
 // belongs to. Its size must be that of the settings, else it is ignored. The state is moved from.
 struct SetFilm {
@@ -55,6 +60,6 @@ struct SetFilm {
 struct Restart {};
 
 using Change = std::variant<SetScene, SetCamera, SetMaterial, SetPunctualLight, SetEnvironment, SetSettings, SetPaused,
-                            SetPassLimit, SetSelection, SetErrorExposure, SetFilm, Restart>;
+                            SetPassLimit, SetSelection, SetAov, SetErrorExposure, SetFilm, Restart>;
 
 }  // namespace talbot

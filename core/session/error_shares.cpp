@@ -1,6 +1,7 @@
 // With c_k the part k of a pixel and T their sum, var T = sum of cov(c_k, T): what cov(c_k, T) is
 // of it is the share of k. Variances are those between renders with seeds of their own, as in a
 // scrambled sequence single samples are no measure.
+#include "core/session/prepared_view.h"
 #include "core/session/error_shares.h"
 
 #include <algorithm>
@@ -87,7 +88,8 @@ class Diagnosis {
         : scene_(scene),
           settings_(settings),
           path_(path_settings(settings)),
-          camera_(camera, scene.scene().origin(), settings.width, settings.height),
+          camera_(camera, scene.scene().origin(), settings.width, settings.height,
+                  scene.scene().geometry().bounds),
           slots_(slots),
           pixels_(std::size_t{settings.width} * settings.height),
           cells_(pixels_ * 3 * (slots.count() + 1)) {}
@@ -280,7 +282,8 @@ ErrorShares measure_error_shares(const std::shared_ptr<const Scene>& scene, cons
     const Clock::time_point start = Clock::now();
     const auto spent = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
     ErrorShares shares;
-    const RenderScene render_scene(scene);
+    const PreparedView view = prepare_view(scene, camera, settings, pool);
+    const RenderScene& render_scene = *view.scene;
     const Slots slots(render_scene);
     RenderSettings small = settings;
     const double all = static_cast<double>(settings.width) * settings.height;
@@ -292,7 +295,7 @@ ErrorShares measure_error_shares(const std::shared_ptr<const Scene>& scene, cons
     const std::vector<Candidate> others = candidates(small);
     // Half of the time for the settings as given.
     const auto measure = [&](const RenderSettings& s, double until) -> Measurement {
-        Diagnosis diagnosis(render_scene, camera, s, slots);
+        Diagnosis diagnosis(render_scene, view.camera, s, slots);
         while (diagnosis.renders() < kMostRenders &&
                (diagnosis.renders() < kLeastRenders || spent() < until)) {
             if (!diagnosis.render(pool, stop)) return {};
@@ -325,7 +328,7 @@ ErrorShares measure_error_shares(const std::shared_ptr<const Scene>& scene, cons
         return a.error > b.error;
     };
     const auto split = list.begin() + kPathKinds;
-    constexpr double kNothing = 0.0005, kHardly = 0.01;
+    constexpr double kNothing = 0.05 / 100, kHardly = 0.01;
     for (ErrorShare& row : list) {
         if (row.error < kHardly) {
             row.help.clear();

@@ -7,7 +7,9 @@ namespace talbot {
 
 bool render_pass(const RenderPass& pass, Film& film, WorkerPool& pool, std::stop_source& stop,
                  const std::function<bool()>& out_of_time, TileCounts& counts) {
-    const CameraRays camera(pass.camera, pass.scene.scene().origin(), film.width(), film.height());
+    const Scene& scene = pass.scene.scene();
+    const CameraRays camera(pass.camera, scene.origin(), film.width(), film.height(),
+                            scene.geometry().bounds);
     const PathSettings settings = path_settings(pass.settings);
     const TileKernel kernel = tile_kernel(pass.tier);
     const uint32_t size = pass.settings.tile_size;
@@ -17,6 +19,7 @@ bool render_pass(const RenderPass& pass, Film& film, WorkerPool& pool, std::stop
         TileCounts counts;
     };
     std::vector<PaddedCounts> by_worker(pool.size());
+    for (PaddedCounts& c : by_worker) c.counts.log = counts.log.fork();
     const std::stop_token token = stop.get_token();
     pool.parallel_for(
         uint64_t{columns} * rows,
@@ -38,6 +41,7 @@ bool render_pass(const RenderPass& pass, Film& film, WorkerPool& pool, std::stop
         counts.samples += c.counts.samples;
         counts.rays += c.counts.rays;
         counts.nonfinite.merge(c.counts.nonfinite);
+        counts.log.merge(c.counts.log);
     }
     return !token.stop_requested();
 }

@@ -8,9 +8,11 @@
 #include <utility>
 #include <variant>
 
-#include "core/integrate/object_ids.h"
+#include "core/integrate/tiers.h"
+#include "core/session/prepared_view.h"
 #include "core/session/render_pass.h"
 #include "core/session/scheduler.h"
+#include "core/session/view_layers.h"
 
 namespace talbot {
 namespace {
@@ -103,8 +105,8 @@ class RenderSession::Impl {
             {
                 std::unique_lock lock(mutex_);
                 work = next_work(schedule_state());
-                if (work.kind == WorkKind::idle && changes_.empty() && film_requests_.empty() &&
-                    !quit_) {
+                if (work.kind == WorkKind::idle && !layers_are_wanted() && changes_.empty() &&
+                    film_requests_.empty() && !quit_) {
                     wake_.wait(lock, [this] {
                         return quit_ || !changes_.empty() || !film_requests_.empty();
                     });
@@ -149,7 +151,7 @@ class RenderSession::Impl {
 
     ScheduleState schedule_state() const {
         ScheduleState state;
-        state.has_scene = scene_ != nullptr;
+        state.has_scene = source_ != nullptr;
         state.interactive = policy_.interactive;
         state.paused = paused_;
         state.passes = passes_;
@@ -164,11 +166,12 @@ class RenderSession::Impl {
     }
 
     void apply(SetScene& change) {
-        const RenderScene* previous = scene_.get();
-        scene_ = std::make_shared<const RenderScene>(std::move(change.scene), previous);
+        source_ = std::move(change.scene);
         camera_ = change.camera;
-        measured_rate_ = 0;
-        selection_.reset();
+        if (!change.same_objects) {
+            measured_rate_ = 0;
+            layers_.select(std::nullopt);
+        }
         restart_ = true;
     }
     void apply(SetCamera& change) {
@@ -176,16 +179,16 @@ class RenderSession::Impl {
         restart_ = true;
     }
     void apply(SetMaterial& change) {
-        if (!scene_ || change.index >= scene_->scene().materials().size()) return;
-        replace_scene(scene_->scene().with_material(change.index, std::move(change.material)));
+        if (!source_ || change.index >= source_->materials().size()) return;
+        replace_scene(source_->with_material(change.index, std::move(change.material)));
     }
     void apply(SetPunctualLight& change) {
-        if (!scene_ || change.index >= scene_->scene().punctual_lights().size()) return;
-        replace_scene(scene_->scene().with_punctual_light(change.index, std::move(change.light)));
+        if (!source_ || change.index >= source_->punctual_lights().size()) return;
+        replace_scene(source_->with_punctual_light(change.index, std::move(change.light)));
     }
     void apply(SetEnvironment& change) {
-        if (!scene_) return;
-        replace_scene(scene_->scene().with_environment(std::move(change.environment)));
+        if (!source_) return;
+        replace_scene(source_->with_environment(std::move(change.environment)));
     }
     void apply(SetSettings& change) {
         if (settings_ == change.settings) return;
@@ -197,10 +200,8 @@ class RenderSession::Impl {
     }
     void apply(SetPaused& change) { paused_ = change.paused; }
     void apply(SetPassLimit& change) { pass_limit_ = change.passes; }
-    void apply(SetSelection& change) {
-        selection_ = change.object;
-        object_ids_.reset();
-    }
+    void apply(SetSelection& change) { layers_.select(change.object); }
+    void apply(SetAov& change) { layers_.show(change.aov); }
     void apply(SetErrorExposure& change) { error_exposure_ = change.ev; }
     void apply(SetFilm& change) { pending_film_ = std::move(change.state); }
     void apply(Restart&) { restart_ = true; }
@@ -211,33 +212,33 @@ class RenderSession::Impl {
     }
 
     void replace_scene(std::shared_ptr<const Scene> scene) {
-        scene_ = std::make_shared<const RenderScene>(std::move(scene), scene_.get());
+        source_ = std::move(scene);
         restart_ = true;
     }
 
     void after_changes() {
-        if (restart_ && scene_) {
+        if (restart_ && source_) {
             restart_ = false;
             film_is_stale_ = true;
-            effects_ = analyse_effects(scene_->scene(), camera_);
-            tier_ = smallest_tier(effects_.active | settings_.forced_on);
+            view_ = prepare_view(source_, camera_, settings_, *pool_, &view_);
             passes_ = 0;
-            samples_ = 0;
-            rays_ = 0;
+            samples_ = rays_ = 0;
             render_seconds_ = 0;
             nonfinite_ = {};
+            notes_ = {};
             stop_reached_ = false;
             previews_done_ = 0;
             last_divisor_ = 0;
-            object_ids_.reset();
+            layers_.restart();
             tracker_.reset(error_exposure_, settings_.first_sample);
             resumed_seconds_ = 0;
             shown_image_.reset();
             take_pending_film();
-        } else if (scene_ && shown_image_) {
+        } else if (source_ && shown_image_) {
             tracker_.set_exposure(error_exposure_, film_.width(), pool_.get());
             if (passes_ > 0 && target_met()) stop_reached_ = true;
-            if (selection_ && !object_ids_) update_object_ids();
+            layers_.glimpse(layered(), measured_rate_, policy_.preview_seconds);
+            if (passes_ > 0) layers_.update_from(film_, tracker_.block_errors());
             publish(shown_image_, shown_is_preview_);
         }
     }
@@ -275,15 +276,13 @@ class RenderSession::Impl {
     double spent_seconds() const { return render_seconds_ - resumed_seconds_; }
 
     void carry_out(const Work& work) {
-        switch (work.kind) {
-            case WorkKind::idle:
-                break;
-            case WorkKind::preview:
-                render_preview(work.preview_divisor);
-                break;
-            case WorkKind::pass:
-                render_pass();
-                break;
+        if (work.kind == WorkKind::preview) {
+            render_preview(work.preview_divisor);
+        } else if (layers_are_wanted()) {
+            update_layers(work_stop_.get_token());
+            publish(shown_image_, shown_is_preview_);
+        } else if (work.kind == WorkKind::pass) {
+            render_pass();
         }
     }
 
@@ -295,7 +294,7 @@ class RenderSession::Impl {
                 return spent_seconds() + seconds_since(start) > policy_.time_limit_seconds;
             };
         }
-        return talbot::render_pass({*scene_, camera_, settings_, tier_, target}, film, *pool_,
+        return talbot::render_pass({*view_.scene, view_.camera, settings_, view_.tier, target}, film, *pool_,
                                    work_stop_, out_of_time, counts);
     }
 
@@ -310,13 +309,14 @@ class RenderSession::Impl {
         if (!complete) return;
         ++previews_done_;
         last_divisor_ = divisor;
+        layers_.preview(layered(), width, height);
         publish(std::make_shared<const ImageRgba>(film.image(settings_.transparent_background)),
                 true);
     }
 
     // Clearing the film waits until it is needed, for a preview should not wait for it.
     void renew_film() {
-        if (!film_is_stale_ || !scene_) return;
+        if (!film_is_stale_ || !source_) return;
         film_is_stale_ = false;
         if (film_.width() == settings_.width && film_.height() == settings_.height) {
             film_.clear();
@@ -327,19 +327,21 @@ class RenderSession::Impl {
 
     void render_pass() {
         renew_film();
-        if (selection_ && !object_ids_) update_object_ids();
         const Clock::time_point start = Clock::now();
         TileCounts counts;
+        counts.log = notes_.fork();
         const bool complete = render(film_, passes_ + 1, counts);
         const double seconds = seconds_since(start);
         samples_ += counts.samples;
         rays_ += counts.rays;
         nonfinite_.merge(counts.nonfinite);
+        notes_.merge(counts.log);
         render_seconds_ += seconds;
         measured_rate_ = blended_rate(measured_rate_, counts.samples, seconds);
         if (complete) {
             ++passes_;
             tracker_.observe(film_, passes_, render_seconds_, pool_.get());
+            notes_.observe(film_, tracker_);
         }
         const bool out_of_time =
             policy_.time_limit_seconds > 0 && spent_seconds() >= policy_.time_limit_seconds;
@@ -355,14 +357,15 @@ class RenderSession::Impl {
         if (!policy_.interactive && !last && !std::has_single_bit(passes_) &&
             seconds_since(last_publish_) < 0.5)
             return;
-        publish(std::make_shared<const ImageRgba>(film_.image(settings_.transparent_background)),
-                false);
+        update_layers(work_stop_.get_token());
+        publish_film();
     }
 
-    void update_object_ids() {
-        const CameraRays camera(camera_, scene_->scene().origin(), settings_.width,
-                                settings_.height);
-        object_ids_ = render_object_ids(*scene_, camera, settings_.width, settings_.height, *pool_);
+    ViewLayers::View layered() const { return {*view_.scene, view_.camera, settings_, *pool_}; }
+    bool layers_are_wanted() const { return shown_image_ && layers_.are_missing(); }
+    void update_layers(const std::stop_token& stop) {
+        layers_.update(layered(), stop);
+        if (passes_ > 0) layers_.update_from(film_, tracker_.block_errors());
     }
 
     void publish(std::shared_ptr<const ImageRgba> image, bool preview) {
@@ -381,14 +384,16 @@ class RenderSession::Impl {
         snapshot->full_width = settings_.width;
         snapshot->full_height = settings_.height;
         snapshot->image = std::move(image);
-        if (selection_) snapshot->object_ids = object_ids_;
+        snapshot->object_ids = layers_.object_ids();
+        snapshot->aov = layers_.aov();
         snapshot->nonfinite = nonfinite_;
+        snapshot->notes = notes_.latest();
         snapshot->error = tracker_.at(passes_, render_seconds_);
-        snapshot->scene = scene_->shared_scene();
+        snapshot->scene = source_;
         snapshot->camera = camera_;
         snapshot->settings = settings_;
-        snapshot->effects = effects_;
-        snapshot->kernel = kTiers[tier_].name;
+        snapshot->effects = view_.effects;
+        snapshot->kernel = kTiers[view_.tier].name;
         shown_image_ = snapshot->image;
         shown_is_preview_ = preview;
         last_publish_ = Clock::now();
@@ -404,7 +409,7 @@ class RenderSession::Impl {
 
     // The last snapshot of a stopped session holds whatever was sampled.
     void finish() {
-        if (scene_ && samples_ > 0) {
+        if (source_ && samples_ > 0) {
             passes_ = film_.min_samples();
             publish_film();
         }
@@ -435,32 +440,25 @@ class RenderSession::Impl {
     bool stopped_ = false;
 
     // session thread
-    std::shared_ptr<const RenderScene> scene_;
+    std::shared_ptr<const Scene> source_;  // with all edits
+    PreparedView view_;                    // of it, since the last restart
     Camera camera_;
     RenderSettings settings_;
-    EffectReport effects_;
-    std::size_t tier_ = 0;
     Film film_;
     bool film_is_stale_ = false;  // it holds another state's samples
     ErrorTracker tracker_;
     NonFiniteCount nonfinite_;
     uint64_t generation_ = 0;
-    uint64_t passes_ = 0;
-    uint64_t samples_ = 0;
-    uint64_t rays_ = 0;
-    uint64_t pass_limit_ = 0;
+    uint64_t passes_ = 0, samples_ = 0, rays_ = 0, pass_limit_ = 0;
     double render_seconds_ = 0;
     double resumed_seconds_ = 0;  // of render_seconds_, spent before this session
     std::shared_ptr<FilmState> pending_film_;
     double measured_rate_ = 0;
     float error_exposure_ = 0;
-    bool paused_ = false;
-    bool stop_reached_ = false;
-    bool restart_ = false;
-    uint32_t previews_done_ = 0;
-    uint32_t last_divisor_ = 0;
-    std::optional<uint32_t> selection_;
-    std::shared_ptr<const std::vector<uint32_t>> object_ids_;
+    bool paused_ = false, stop_reached_ = false, restart_ = false;
+    uint32_t previews_done_ = 0, last_divisor_ = 0;
+    ViewLayers layers_;
+    NoteKeeper notes_;
     std::shared_ptr<const ImageRgba> shown_image_;
     bool shown_is_preview_ = false;
     Clock::time_point last_publish_{};

@@ -21,6 +21,7 @@ struct RenderSettings {
     uint64_t seed = 0;
     uint64_t first_sample = 0;  // sample indices start here
     EffectSet forced_on{};      // added to what the scene asks for: costs time, changes nothing
+    EffectSet forced_off{};     // taken away from the scene; BIAS where it uses them
     uint32_t tile_size = 32;    // pixels; changes no pixel
 
     bool operator==(const RenderSettings&) const = default;

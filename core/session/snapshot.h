@@ -10,6 +10,7 @@
 #include "core/film/film.h"
 #include "core/film/image.h"
 #include "core/session/change.h"
+#include "core/session/image_notes.h"
 
 namespace talbot {
 
@@ -27,12 +28,14 @@ struct Snapshot {
     uint32_t full_height = 0;
     std::shared_ptr<const ImageRgba> image;
     std::shared_ptr<const std::vector<uint32_t>> object_ids;  // full size, kNoId for background; while something is selected
+    std::shared_ptr<const AovImage> aov;  // while one is asked for; of the image's size or a preview's
     NonFiniteCount nonfinite;
+    std::shared_ptr<const ImageNotes> notes;  // never null
     ErrorEstimate error;
     std::shared_ptr<const Scene> scene;  // what it shows, after all edits
     Camera camera;
     RenderSettings settings;
-    EffectReport effects;
+    EffectReport effects;         // of that scene, those forced off included
     std::string kernel;           // name of the tier that ran
 };
 

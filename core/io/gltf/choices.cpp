@@ -1,21 +1,42 @@
-// What a glTF file offers to choose from.
+#include "core/io/gltf/choices.h"
+
+#include <algorithm>
+
 #include "core/io/gltf/animation.h"
 #include "core/io/gltf/materials.h"
 
 namespace talbot {
 
-Result<GltfChoices> read_gltf_choices(const std::filesystem::path& file) {
-    const Result<gltf::Document> document = gltf::read_document(file, LoadOptions().max_bytes);
-    if (!document) return document.error();
+double GltfChoices::last_key() const {
+    double last = 0;
+    for (const GltfAnimation& animation : animations) last = std::max(last, animation.seconds);
+    return last;
+}
+
+namespace gltf {
+namespace {
+
+std::string name_or_index(const std::string& name, const char* kind, size_t index) {
+    return name.empty() ? std::string(kind) + " " + std::to_string(index) : name;
+}
+
+}  // namespace
+
+GltfChoices choices_of(const Document& document) {
     GltfChoices choices;
-    choices.variants = gltf::variant_names(*document);
-    const std::vector<tinygltf::Animation>& animations = document->model.animations;
+    choices.variants = variant_names(document);
+    const std::vector<tinygltf::Scene>& scenes = document.model.scenes;
+    for (size_t i = 0; i < scenes.size(); ++i)
+        choices.scenes.push_back(name_or_index(scenes[i].name, "scene", i));
+    if (document.model.defaultScene > 0)
+        choices.default_scene = static_cast<size_t>(document.model.defaultScene);
+    const std::vector<tinygltf::Animation>& animations = document.model.animations;
     for (size_t i = 0; i < animations.size(); ++i) {
-        const std::string& name = animations[i].name;
-        choices.animations.push_back({name.empty() ? "animation " + std::to_string(i) : name,
-                                      gltf::animation_seconds(*document, i)});
+        choices.animations.push_back({name_or_index(animations[i].name, "animation", i),
+                                      animation_seconds(document, i)});
     }
     return choices;
 }
 
+}  // namespace gltf
 }  // namespace talbot

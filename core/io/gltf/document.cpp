@@ -227,29 +227,33 @@ Status parse_model(Document& document, Json& root) {
     return Done{};
 }
 
-// The model again, with the values that the animations give it.
-Status parse_animated(Document& document, Json& root, double seconds) {
-    const Status applied = apply_animations(document, seconds, root, document.warnings);
-    if (!applied) return applied;
-    if (Status shape = check_structure(root); !shape)
-        return document.error(shape.error().element, shape.error().what);
-    root.erase("buffers");
-    root.erase("images");
-    std::vector<tinygltf::BufferView> views = std::move(document.model.bufferViews);
-    document.model = {};
-    if (Status parsed = parse_model(document, root); !parsed) return parsed;
-    document.model.bufferViews = std::move(views);
-    return Done{};
-}
-
 }  // namespace
 
 std::string element_name(const char* array, size_t index) {
     return std::string(array) + "[" + std::to_string(index) + "]";
 }
 
-Result<Document> read_document(const std::filesystem::path& file, uint64_t max_bytes,
-                               std::optional<double> animation_time) {
+Status set_animation_time(Document& document, std::optional<double> seconds) {
+    if (seconds == document.animation_time || !document.source) return Done{};
+    Json root = *document.source;
+    document.warnings.resize(document.lasting_warnings);
+    if (seconds) {
+        const Status applied = apply_animations(document, *seconds, root, document.warnings);
+        if (!applied) return applied;
+        if (Status shape = check_structure(root); !shape)
+            return document.error(shape.error().element, shape.error().what);
+    }
+    root.erase("buffers");
+    root.erase("images");
+    std::vector<tinygltf::BufferView> views = std::move(document.model.bufferViews);
+    document.model = {};
+    if (Status parsed = parse_model(document, root); !parsed) return parsed;
+    document.model.bufferViews = std::move(views);
+    document.animation_time = seconds;
+    return Done{};
+}
+
+Result<Document> read_document(const std::filesystem::path& file, uint64_t max_bytes) {
     Document document;
     document.file = file;
     Result<std::vector<uint8_t>> bytes = read_file(file, max_bytes);
@@ -284,12 +288,12 @@ Result<Document> read_document(const std::filesystem::path& file, uint64_t max_b
         return decoded.error();
     if (Status noted = note_images(document, images); !noted) return noted.error();
     add_roughness_images(document, roughness_images);
-    if (animation_time && root->contains("animations")) {
+    document.lasting_warnings = document.warnings.size();
+    if (root->contains("animations")) {
         // Their counts are all that the check of the structure needs.
         (*root)["buffers"] = Json(buffers.size(), Json::object({{"byteLength", 0u}}));
         (*root)["images"] = Json(document.images.size(), Json::object());
-        const Status animated = parse_animated(document, *root, *animation_time);
-        if (!animated) return animated.error();
+        document.source = std::make_shared<const Json>(std::move(*root));
     }
     return document;
 }

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,6 +39,9 @@ struct Document {
     uint64_t decoded_bytes = 0;        // in those, at most the limit of the caller
     std::vector<ImageSource> images;
     std::vector<std::string> warnings;
+    size_t lasting_warnings = 0;  // so many of them do not come from the animations
+    std::shared_ptr<const nlohmann::json> source;  // of the model, where it has animations
+    std::optional<double> animation_time;          // that the model is at
 
     Error error(const std::string& element, const std::string& what) const {
         return {ErrorKind::bad_input, file.string(), element, what};
@@ -46,10 +51,13 @@ struct Document {
 // "accessors[3]"
 std::string element_name(const char* array, size_t index);
 
-// Reads and checks the file and its buffers; images stay unread. The model has the values that its
-// animations give it at animation_time, or those of the file.
-Result<Document> read_document(const std::filesystem::path& file, uint64_t max_bytes,
-                               std::optional<double> animation_time = std::nullopt);
+// Reads and checks the file and its buffers; images stay unread. The model has the values of the
+// file.
+Result<Document> read_document(const std::filesystem::path& file, uint64_t max_bytes);
+
+// Gives the model the values that its animations have at that time, or those of the file. After an
+// error the document must not be used.
+Status set_animation_time(Document& document, std::optional<double> seconds);
 
 // The bytes of a buffer view, within its buffer.
 Result<std::span<const uint8_t>> view_bytes(const Document& document, size_t buffer_view);

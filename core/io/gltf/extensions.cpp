@@ -32,6 +32,7 @@ constexpr auto kTable = std::to_array<ExtensionInfo>({
     {"KHR_materials_unlit", supported, ""},
     {"KHR_materials_variants", supported, ""},
     {"KHR_materials_volume", supported, ""},
+    {"KHR_materials_volume_scatter", supported, ""},
     {"KHR_mesh_quantization", supported, ""},
     {"KHR_node_visibility", supported, ""},
     {"KHR_texture_basisu", supported, ""},

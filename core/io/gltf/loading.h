@@ -1,6 +1,7 @@
-// The state of one load_gltf call, handed from step to step.
+// The state of one reading of a file, handed from step to step.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <string>
 #include <vector>
@@ -31,10 +32,12 @@ class MemoryBudget {
 };
 
 struct Loading {
-    Loading(Document d, const LoadOptions& o)
-        : document(std::move(d)), options(o), budget(o.max_bytes - document.decoded_bytes) {}
+    Loading(const Document& d, const LoadOptions& o)
+        : document(d),
+          options(o),
+          budget(o.max_bytes - std::min(o.max_bytes, d.decoded_bytes)) {}
 
-    Document document;
+    const Document& document;
     const LoadOptions& options;
     MemoryBudget budget;
     SceneDesc desc;

@@ -59,6 +59,8 @@ class MaterialConverter {
         out.emissive_texture = slot(in.emissiveTexture);
         out.alpha_cutoff = limited(in.alphaCutoff, 0, kLargestFactor);
         out.double_sided = in.doubleSided;
+        out.nested_priority = limited(number_member(in.extras, "nestedPriority", 0),
+                                      -kLargestFactor, kLargestFactor);
         if (in.alphaMode == "MASK") out.alpha_mode = AlphaMode::mask;
         if (in.alphaMode == "BLEND") out.alpha_mode = AlphaMode::blend;
         if (in.alphaMode != "MASK" && in.alphaMode != "BLEND" && in.alphaMode != "OPAQUE") {
@@ -90,6 +92,7 @@ class MaterialConverter {
             out.transmission_texture = slot(*e, "transmissionTexture");
         }
         if (const auto* e = extension("KHR_materials_volume")) convert_volume(*e, out);
+        if (const auto* e = extension("KHR_materials_volume_scatter")) convert_scatter(*e, out);
         if (const auto* e = extension("KHR_materials_dispersion"))
             out.dispersion = limited(number_member(*e, "dispersion", 0), 0, kLargestFactor);
         if (const auto* e = extension("KHR_materials_diffuse_transmission"))
@@ -162,6 +165,16 @@ class MaterialConverter {
         } else {
             warn("attenuationDistance must be positive; taken as infinite");
         }
+    }
+
+    // The extension is a draft; its colour has had three names.
+    void convert_scatter(const tinygltf::Value& in, Material& out) {
+        double color[3] = {0, 0, 0};
+        for (const char* name : {"scatterAlbedo", "multiscatterColor", "multiscatterColorFactor"})
+            numbers_member(in, name, 3, color);
+        out.multiscatter_color = color_of(color, 1);
+        out.scatter_anisotropy = limited(number_member(in, "scatterAnisotropy", 0),
+                                         -kLargestAnisotropy, kLargestAnisotropy);
     }
 
     float valid_ior(double ior) {

@@ -195,17 +195,21 @@ class PrimitiveLoader {
             if (Status done = apply_skin(source_, range_, request_.shape->joints, mesh_); !done)
                 return done;
         }
-        drop_non_finite();
+        drop_unusable();
         return Done{};
     }
 
-    void drop_non_finite() {
-        const auto finite = [&](uint32_t v) { return is_finite(mesh_.positions[v]); };
+    void drop_unusable() {
+        // One vertex further out than any world reaches must not take the whole mesh with it.
+        const auto usable = [&](uint32_t v) {
+            return is_finite(mesh_.positions[v]) &&
+                   max_component(glm::abs(mesh_.positions[v])) < kMaxWorldCoordinate;
+        };
         const size_t dropped = keep_triangles([&](uint32_t a, uint32_t b, uint32_t c) {
-            return finite(a) && finite(b) && finite(c);
+            return usable(a) && usable(b) && usable(c);
         });
         if (dropped > 0)
-            warn("positions that are not finite: " + std::to_string(dropped) +
+            warn("positions that are not finite or out of range: " + std::to_string(dropped) +
                  " triangles are not drawn");
         is_empty_ = mesh_.indices.empty();
     }

@@ -151,12 +151,15 @@ Result<std::vector<PlacedNode>> place_nodes(Loading& loading, std::optional<size
     const std::vector<tinygltf::Node>& nodes = document.model.nodes;
     std::vector<PlacedNode> placed;
     std::vector<bool> seen(nodes.size(), false);
-    const auto place = [&](size_t i, const Mat4d& parent, bool is_parent_visible) {
+    std::vector<WideMatrix> worlds;  // of the nodes in `placed`
+    const auto place = [&](size_t i, const WideMatrix& parent, bool is_parent_visible) {
         if (seen[i]) return;
         seen[i] = true;
         const LocalTransform local = local_transform(nodes[i]);
-        placed.push_back({static_cast<uint32_t>(i), parent * local.full,
-                          is_parent_visible && says_visible(nodes[i]), parent * local.unscaled});
+        worlds.push_back(parent * WideMatrix(local.full));
+        placed.push_back({static_cast<uint32_t>(i), Mat4d(worlds.back()),
+                          is_parent_visible && says_visible(nodes[i]),
+                          Mat4d(parent * WideMatrix(local.unscaled))});
     };
     if (scene) {
         for (const int root : document.model.scenes[*scene].nodes) {
@@ -165,24 +168,25 @@ Result<std::vector<PlacedNode>> place_nodes(Loading& loading, std::optional<size
                              node_name(static_cast<size_t>(root)) +
                                  " is listed as a root, but has a parent; the parent is ignored");
             }
-            place(static_cast<size_t>(root), Mat4d(1.0), true);
+            place(static_cast<size_t>(root), WideMatrix(1), true);
         }
     } else {
         for (size_t i = 0; i < nodes.size(); ++i) {
-            if ((*parents)[i] == kNoParent) place(i, Mat4d(1.0), true);
+            if ((*parents)[i] == kNoParent) place(i, WideMatrix(1), true);
         }
     }
     for (size_t head = 0; head < placed.size(); ++head) {
         const PlacedNode parent = placed[head];
+        const WideMatrix world = worlds[head];
         for (const int child : nodes[parent.node].children)
-            place(static_cast<size_t>(child), parent.world, parent.is_visible);
+            place(static_cast<size_t>(child), world, parent.is_visible);
     }
     return placed;
 }
 
 std::vector<Mat4d> all_node_worlds(const Document& document) {
     const std::vector<tinygltf::Node>& nodes = document.model.nodes;
-    std::vector<Mat4d> worlds(nodes.size(), Mat4d(1.0));
+    std::vector<WideMatrix> worlds(nodes.size(), WideMatrix(1));
     std::vector<bool> is_child(nodes.size(), false);
     for (const tinygltf::Node& node : nodes) {
         for (const int child : node.children) is_child[static_cast<size_t>(child)] = true;
@@ -190,17 +194,17 @@ std::vector<Mat4d> all_node_worlds(const Document& document) {
     std::vector<size_t> queue;
     for (size_t i = 0; i < nodes.size(); ++i) {
         if (is_child[i]) continue;
-        worlds[i] = local_transform(nodes[i]).full;
+        worlds[i] = WideMatrix(local_transform(nodes[i]).full);
         queue.push_back(i);
     }
     for (size_t head = 0; head < queue.size(); ++head) {
         for (const int child : nodes[queue[head]].children) {
             const auto i = static_cast<size_t>(child);
-            worlds[i] = worlds[queue[head]] * local_transform(nodes[i]).full;
+            worlds[i] = worlds[queue[head]] * WideMatrix(local_transform(nodes[i]).full);
             queue.push_back(i);
         }
     }
-    return worlds;
+    return {worlds.begin(), worlds.end()};
 }
 
 }  // namespace talbot::gltf

@@ -17,6 +17,10 @@ struct PlacedNode {
     Mat4d world_unscaled{1.0};  // without the node's own scale, for cameras and lights
 };
 
+// What chains of nodes are multiplied in: far excursions that lead back again would leave errors of
+// more than a float's in double.
+using WideMatrix = glm::mat<4, 4, long double>;
+
 // Deepest hierarchy that is followed.
 inline constexpr uint32_t kMaxNodeDepth = 1024;
 

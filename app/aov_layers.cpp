@@ -1,0 +1,39 @@
+#include "app/aov_layers.h"
+
+#include <algorithm>
+
+#include "core/integrate/aov_pass.h"
+
+namespace talbot {
+namespace {
+
+AovImage traced_aov(Aov aov, const RenderScene& scene, const Snapshot& snapshot, WorkerPool& pool) {
+    const CameraRays camera(snapshot.camera, scene.scene().origin(), snapshot.full_width,
+                            snapshot.full_height, scene.scene().geometry().bounds);
+    const uint64_t samples = std::clamp<uint64_t>(snapshot.passes, 1, kAovSamples);
+    AovBuffer buffer(aov, snapshot.full_width, snapshot.full_height);
+    for (uint64_t i = 0; i < samples; ++i) {
+        buffer.add_pass(scene, camera, path_settings(snapshot.settings),
+                        snapshot.settings.first_sample, pool, {});
+    }
+    return buffer.image();
+}
+
+}  // namespace
+
+std::vector<ImageLayer> make_aov_layers(const std::vector<Aov>& aovs, const Snapshot& snapshot,
+                                        const FilmView& film, WorkerPool& pool) {
+    std::vector<ImageLayer> layers;
+    if (aovs.empty()) return layers;
+    ErrorTracker tracker;
+    tracker.restore(film.error);
+    const RenderScene scene(snapshot.scene);
+    for (const Aov aov : aovs) {
+        layers.push_back(aov_layer(aov_info(aov).source == AovSource::film
+                                       ? film_aov(aov, film.film, tracker.block_errors())
+                                       : traced_aov(aov, scene, snapshot, pool)));
+    }
+    return layers;
+}
+
+}  // namespace talbot

@@ -1,0 +1,219 @@
+#include "app/hardcases/command.h"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+
+#include "app/exit_code.h"
+#include "app/hardcases/interrupt.h"
+#include "app/hardcases/report.h"
+#include "app/hardcases/selection.h"
+#include "app/hardcases/stress.h"
+#include "core/base/log.h"
+#include "core/io/image_io.h"
+
+namespace talbot {
+namespace {
+
+using namespace hardcases;
+
+struct HardcasesOptions {
+    Effort effort = Effort::quick;
+    std::vector<std::string> only;
+    std::string json, html;
+    RunSettings settings;
+    std::string scene;              // stress mode
+    std::vector<std::string> rest;  // render options of stress mode
+};
+
+Error usage(const std::string& what) {
+    return {ErrorKind::usage, "", "hardcases", what};
+}
+
+// Empty when help was printed.
+Result<std::optional<HardcasesOptions>> parse(std::span<const std::string> args) {
+    HardcasesOptions o;
+    bool quick = false;
+    bool full = false;
+    CLI::App app("Numerically hard cases, each beside a naive control that must fail",
+                 "talbot hardcases");
+    CLI::Option* quick_flag = app.add_flag("--quick", quick, "less than a minute (default)");
+    app.add_flag("--full", full, "up to 20 minutes")->excludes(quick_flag);
+    app.add_option("--only", o.only, "ids of rows, e.g. G01,S07")->delimiter(',');
+    app.add_option("--json", o.json, "figures; - is the standard output");
+    app.add_option("--html", o.html, "page with pictures and curves, in one file");
+    app.add_option("--threads", o.settings.threads, "of the workers (all cores)")
+        ->check(CLI::Range(0u, 1024u));
+    app.add_option("--seed", o.settings.seed, "of the cases' random numbers (0)");
+    app.add_option(
+        "--scene", o.scene,
+        "stress mode: this scene moved, scaled, turned and mirrored, with the options of "
+        "a render (--size, --frames, --environment, --camera, ...)");
+    app.allow_extras();
+    app.footer("Exit code 1 when a P0 row fails or is blind.");
+    try {
+        app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
+    } catch (const CLI::Success& success) {
+        app.exit(success);
+        return std::optional<HardcasesOptions>();
+    } catch (const CLI::ParseError& error) {
+        std::string what = error.what();
+        std::replace(what.begin(), what.end(), '\n', ' ');
+        return usage(what + "; see talbot hardcases --help");
+    }
+    o.rest = app.remaining();
+    if (o.scene.empty() && !o.rest.empty())
+        return usage("'" + o.rest.front() + "' is not known; see talbot hardcases --help");
+    if (!o.scene.empty() && (!o.only.empty() || !o.html.empty()))
+        return usage("--scene goes with neither --only nor --html");
+    if (full) o.effort = Effort::full;
+    if (!o.json.empty() && o.json == o.html)
+        return usage("--json and --html name one file; give each its own");
+    for (const std::string& file : {o.json, o.html}) {
+        if (file.empty() || file == "-") continue;
+        if (Status status = check_writable(file); !status) return status.error();
+    }
+    return std::optional<HardcasesOptions>(o);
+}
+
+Status write_text(const std::string& file, const std::string& text) {
+    return write_file_atomically(file,
+                                 {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
+Status write_reports(const HardcasesOptions& options, const CaseReport& report) {
+    if (options.json == "-") {
+        std::fputs(cases_json(report).c_str(), stdout);
+    } else if (!options.json.empty()) {
+        if (Status s = write_text(options.json, cases_json(report)); !s) return s;
+    }
+    if (options.html.empty()) return Done{};
+    const Result<std::string> html = cases_html(report);
+    return html ? write_text(options.html, *html) : Status(html.error());
+}
+
+// One line on a terminal, wiped before a row is printed.
+class ProgressLine {
+  public:
+    explicit ProgressLine(std::size_t count)
+        : count_(count), active_(isatty(STDERR_FILENO) != 0 && log_level() >= LogLevel::info) {}
+
+    void show(std::size_t index, const HardCase& row, double seconds) {
+        if (!active_) return;
+        std::fprintf(stderr, "\r\033[K%zu/%zu %s %s, %.0f s", index + 1, count_, row.id.c_str(),
+                     row.title.c_str(), seconds);
+        std::fflush(stderr);
+    }
+    void wipe() {
+        if (!active_) return;
+        std::fputs("\r\033[K", stderr);
+        std::fflush(stderr);
+    }
+
+  private:
+    std::size_t count_;
+    bool active_;
+};
+
+// The words of stress mode that a render knows, too.
+Result<Options> render_options(const HardcasesOptions& options) {
+    std::vector<std::string> words{"talbot", options.scene};
+    words.insert(words.end(), options.rest.begin(), options.rest.end());
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    Result<std::optional<Options>> parsed =
+        parse_options(static_cast<int>(argv.size()), argv.data());
+    if (!parsed) return parsed.error();
+    if (!*parsed) return usage("see talbot hardcases --help");
+    Options render = std::move(**parsed);
+    if (render.time_seconds || render.target_error_percent || !render.outputs.empty())
+        return usage("stress mode renders --frames N and writes --json only");
+    render.threads = options.settings.threads;
+    render.render.seed = options.settings.seed;
+    return render;
+}
+
+Result<int> stress(const HardcasesOptions& options) {
+    const Result<Options> render = render_options(options);
+    if (!render) return render.error();
+    set_log_level(render->log_level);
+    std::FILE* table = options.json == "-" ? nullptr : stdout;
+    if (table) print_stress_columns(table);
+    catch_interrupts();
+    const Result<StressReport> report =
+        run_stress(*render, options.effort, [table](const StressRow& row) {
+            if (!table) return;
+            print_stress_row(row, table);
+            std::fflush(table);
+        });
+    if (!report) return report.error();
+    if (table) print_stress_footer(*report, table);
+    if (options.json == "-") {
+        std::fputs(stress_json(*report).c_str(), stdout);
+    } else if (!options.json.empty()) {
+        if (Status s = write_text(options.json, stress_json(*report)); !s) return s.error();
+    }
+    if (report->interrupted) return kExitInterrupted;
+    return report->kept() ? kExitDone : kExitFailed;
+}
+
+Result<int> run(const HardcasesOptions& options) {
+    Result<Selection> selection = select_rows(options.only, all_cases(), all_not_simulated());
+    if (!selection) return selection.error();
+    set_run_settings(options.settings);
+    CaseReport report;
+    report.header = make_header(options.effort, options.settings);
+    report.not_simulated = selection->not_simulated;
+
+    std::FILE* table = options.json == "-" ? nullptr : stdout;
+    std::size_t title_width = 0;
+    for (const HardCase& row : selection->cases)
+        title_width = std::max(title_width, row.title.size());
+    if (table) {
+        print_header(report.header, table);
+        print_columns(title_width, table);
+        std::fflush(table);
+    }
+    ProgressLine progress(selection->cases.size());
+    CaseWatch watch;
+    watch.interrupted = is_interrupted;
+    watch.waiting = [&](std::size_t i, const HardCase& row, double s) { progress.show(i, row, s); };
+    watch.done = [&](const CaseRow& row) {
+        progress.wipe();
+        if (!table) return;
+        print_row(row, title_width, table);
+        std::fflush(table);
+    };
+    catch_interrupts();
+    report.outcome = run_cases(selection->cases, options.effort, watch);
+    progress.wipe();
+    if (table) print_footer(report, table);
+    const Status written = write_reports(options, report);
+    if (report.outcome.interrupted) {
+        // The case at hand runs on: no destructor may pull anything from under it.
+        if (!written) log_error(written.error().line());
+        std::fflush(nullptr);
+        std::_Exit(kExitInterrupted);
+    }
+    if (!written) return written.error();
+    return total(report.outcome.rows).kept ? kExitDone : kExitFailed;
+}
+
+}  // namespace
+
+int run_hardcases(std::span<const std::string> args) {
+    const Result<std::optional<HardcasesOptions>> options = parse(args);
+    if (options && !*options) return kExitDone;
+    const Result<int> code = !options                    ? Result<int>(options.error())
+                             : (*options)->scene.empty() ? run(**options)
+                                                         : stress(**options);
+    if (code) return *code;
+    log_error(code.error().line());
+    return exit_code(code.error());
+}
+
+}  // namespace talbot

@@ -1,0 +1,41 @@
+#include "core/session/prepared_view.h"
+
+#include "core/integrate/tiers.h"
+#include "core/scene/effects_off.h"
+
+namespace talbot {
+
+PreparedView prepare_view(std::shared_ptr<const Scene> scene, const Camera& camera,
+                          const RenderSettings& settings, WorkerPool& pool,
+                          const PreparedView* previous) {
+    PreparedView view;
+    view.given = std::move(scene);
+    view.forced_on = settings.forced_on;
+    view.forced_off = settings.forced_off;
+    view.camera = camera_without(camera, view.forced_off);
+    if (previous && !previous->scene) previous = nullptr;
+    const bool same_sets = previous && previous->forced_on == view.forced_on &&
+                           previous->forced_off == view.forced_off;
+    if (same_sets && previous->given == view.given) {
+        view.reduced = previous->reduced;
+        view.scene = previous->scene;
+    } else {
+        std::shared_ptr<const SceneGeometry> geometry = view.given->shared_geometry();
+        if (same_sets && previous->given->shared_geometry() == geometry) {
+            geometry = previous->reduced->shared_geometry();
+        } else {
+            geometry = geometry_without(std::move(geometry), view.forced_off, pool);
+        }
+        view.reduced = scene_without(view.given, view.forced_off, std::move(geometry));
+        view.scene = std::make_shared<const RenderScene>(
+            view.reduced, previous ? previous->scene.get() : nullptr, view.forced_on);
+    }
+    view.effects = analyse_effects(*view.given, camera);
+    const EffectSet needed = view.forced_off == EffectSet{}
+                                 ? view.effects.active
+                                 : analyse_effects(*view.reduced, view.camera).active;
+    view.tier = smallest_tier(needed | view.forced_on);
+    return view;
+}
+
+}  // namespace talbot
