@@ -91,9 +91,10 @@ TEST(AccuracyAb, ATenthOfWastedSamplesIsFound) {
     double ratio = 0, seconds = 0;
     for (int i = 0; i < runs(); ++i) {
         const uint64_t seed = 1000 + static_cast<uint64_t>(i);
-        AbConfig b = config(2 * seed + 1);
+        // With one seed for both sides, as it is unless a user says otherwise.
+        AbConfig b = config(seed);
         b.kernel = &wasteful;
-        const AbSnapshot s = compare(config(2 * seed), b, 4, true);
+        const AbSnapshot s = compare(config(seed), b, 3, true);
         found += s.verdict.winner == Winner::a ? 1 : 0;
         ratio += std::log(s.verdict.ratio) / runs();
         seconds += s.a.seconds / runs();

@@ -57,7 +57,8 @@ struct Sorted {
 
 Sorted sort_all(const std::shared_ptr<const Scene>& scene, const RenderSettings& settings) {
     const RenderScene rs(scene);
-    const CameraRays rays(camera(), scene->origin(), settings.width, settings.height);
+    const CameraRays rays(camera(), scene->origin(), settings.width, settings.height,
+                          scene->geometry().bounds);
     const PathSettings path = path_settings(settings);
     PathSorter sorter(rs, rays, path);
     // The kernel's own film, which the sorted samples must give again.
