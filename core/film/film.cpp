@@ -85,9 +85,8 @@ void accumulate(FilmPixel& p, const Rgb& value, bool covered) {
     if (p.samples != 1 || sum <= kOutlierRatio * value) return;
     NotedSample first = sample;
     --first.sample;
-    first.radiance =
-        Rgb(static_cast<float>(p.sum[0].value()), static_cast<float>(p.sum[1].value()),
-            static_cast<float>(p.sum[2].value()));
+    first.radiance = Rgb(static_cast<float>(p.sum[0].value()), static_cast<float>(p.sum[1].value()),
+                         static_cast<float>(p.sum[2].value()));
     log.note_outlier(first);
 }
 
