@@ -37,8 +37,7 @@ Result<ViewerOptions> load_viewer(const Options& options) {
     Result<SceneSetup> setup = set_up_scene(options, pool);
     if (!setup) return setup.error();
     const Scene& scene = *setup->scene;
-    const bool dark =
-        !has_light(scene.punctual_lights(), scene.environment(), scene.materials());
+    const bool dark = !has_light(scene.punctual_lights(), scene.environment(), scene.materials());
     if (dark && options.environment.empty())
         setup->scene = scene.with_environment(default_environment());
     ViewerOptions viewer;

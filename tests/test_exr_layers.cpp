@@ -1,5 +1,5 @@
-// --aov: what is asked for is in the file, under its name, and adds up; and the image is the same to
-// the bit with and without it. The run record's outliers, too, as the program writes them.
+// --aov: what is asked for is in the file, under its name, and adds up; and the image is the same
+// to the bit with and without it. The run record's outliers, too, as the program writes them.
 #include <gtest/gtest.h>
 
 #pragma GCC diagnostic push
@@ -112,10 +112,10 @@ TEST_F(ExrLayers, OutliersAreTheSameForAnyThreadsAndCanBeReplayed) {
     const nlohmann::json& first = one[0];
     ASSERT_TRUE(first.contains("vertices"));
     EXPECT_GE(first["vertices"].size(), 1u);
-    const auto replay = run(spheres + " --size 64x36 --pixel " +
-                            std::to_string(first["pixel"][0].get<int>()) + "," +
-                            std::to_string(first["pixel"][1].get<int>()) + " --sample " +
-                            std::to_string(first["sample"].get<int>()));
+    const auto replay =
+        run(spheres + " --size 64x36 --pixel " + std::to_string(first["pixel"][0].get<int>()) +
+            "," + std::to_string(first["pixel"][1].get<int>()) + " --sample " +
+            std::to_string(first["sample"].get<int>()));
     ASSERT_EQ(replay.code, 0);
     char radiance[64];
     std::snprintf(radiance, sizeof radiance, "radiance (%.5g", first["radiance"][0].get<double>());

@@ -1,5 +1,5 @@
-// Values on a path's way are made unusable, site by site: whatever that changes of a sample, the film
-// counts the sample and keeps it out of the sum.
+// Values on a path's way are made unusable, site by site: whatever that changes of a sample, the
+// film counts the sample and keeps it out of the sum.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -153,8 +153,8 @@ TEST(FaultInjectionControl, SoundSamplesAreNotCounted) {
     EXPECT_EQ(brighter.silent, brighter.changed);
 }
 
-// A texture's colour that is no number is seen wherever it meets light. A path that ends at it looks
-// absorbed; no such colour gets past the loader.
+// A texture's colour that is no number is seen wherever it meets light. A path that ends at it
+// looks absorbed; no such colour gets past the loader.
 TEST(FaultInjectionControl, BrokenTexturesAreMostlyCounted) {
     for (const float fault : {kNan, kInf}) {
         const Tally tally = inject(PathValue::base_color, fault);

@@ -66,8 +66,7 @@ TEST(GltfReread, VariantsAndTimesMix) {
     const int texture = b.add_texture(Image8{1, 1, {9, 8, 7, 255}, ""});
     const int x = b.add_material({{"name", "a"}});
     const int y = b.add_material(
-        {{"name", "b"},
-         {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}}});
+        {{"name", "b"}, {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}}});
     const Json attributes = b.quad_attributes();
     const int mesh = b.add_mesh(attributes, b.quad_indices(), 4, x);
     b.add_node({{"mesh", mesh}});

@@ -68,9 +68,8 @@ TEST(SampleLog, HoldsTheLargestOutliersWhateverTheOrder) {
             }
         }
     }
-    std::sort(all.begin(), all.end(), [](const NotedSample& p, const NotedSample& q) {
-        return p.largest() > q.largest();
-    });
+    std::sort(all.begin(), all.end(),
+              [](const NotedSample& p, const NotedSample& q) { return p.largest() > q.largest(); });
     ASSERT_GE(all.size(), 32u);
     std::size_t found = 0;
     for (std::size_t i = 0; i < 32; ++i) {

@@ -120,7 +120,8 @@ TEST_F(ChoicesTest, AnimationsRunAndStop) {
 }
 
 TEST_F(ChoicesTest, AVariantHasItsOwnMaterials) {
-    ASSERT_NO_FATAL_FAILURE(start(models_folder() / "MaterialsVariantsShoe/MaterialsVariantsShoe.gltf"));
+    ASSERT_NO_FATAL_FAILURE(
+        start(models_folder() / "MaterialsVariantsShoe/MaterialsVariantsShoe.gltf"));
     if (IsSkipped()) return;
     ViewerModel& model = loop->model();
     const auto materials = [&] {

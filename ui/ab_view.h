@@ -1,4 +1,5 @@
-// A comparison of two settings in the window: the image is A on the left of a line and B on its right.
+// A comparison of two settings in the window: the image is A on the left of a line and B on its
+// right.
 #pragma once
 
 #include <memory>
@@ -24,7 +25,9 @@ class AbView {
     bool is_open() const { return open_; }
     bool is_running() const;
     // Null until there is something to show.
-    std::shared_ptr<const AbSnapshot> latest() const { return open_ ? comparison_.latest() : nullptr; }
+    std::shared_ptr<const AbSnapshot> latest() const {
+        return open_ ? comparison_.latest() : nullptr;
+    }
 
     // The line between the two, which can be dragged; in the current ImGui frame.
     void draw_line(ViewerModel& model, const PixelRect& image) const;

@@ -117,7 +117,8 @@ void draw_bias(const ViewerModel& model, const Diagnosis& diagnosis, bool& measu
         text_row("Biased switches", "none is on");
         return;
     }
-    for (const BiasedSwitch& biased : switches) text_row("Biased switch", "%s", biased.name.c_str());
+    for (const BiasedSwitch& biased : switches)
+        text_row("Biased switch", "%s", biased.name.c_str());
     if (diagnosis.bias) {
         for (const BiasEntry& entry : *diagnosis.bias) {
             if (!entry.floor.significant) {
@@ -169,9 +170,9 @@ void draw_diagnosis(const Diagnosis& diagnosis, bool& measure) {
     } else if (diagnosis.shares) {
         ImGui::TextDisabled("Nothing in this view is noisy.");
     }
-    measure = ImGui::Button(diagnosis.measuring_shares ? "Measuring ..." : "Measure",
-                            ImVec2(-1, 0)) &&
-              !diagnosis.measuring_shares;
+    measure =
+        ImGui::Button(diagnosis.measuring_shares ? "Measuring ..." : "Measure", ImVec2(-1, 0)) &&
+        !diagnosis.measuring_shares;
     ImGui::Indent();
     ImGui::TreePop();
 }

@@ -64,9 +64,8 @@ void BackgroundJobs::reread_scene(std::shared_ptr<GltfFile> file, const SceneCho
 }
 
 bool BackgroundJobs::loading() const {
-    return std::any_of(jobs_.begin(), jobs_.end(), [](const std::unique_ptr<Job>& job) {
-        return job->load && !job->replaced;
-    });
+    return std::any_of(jobs_.begin(), jobs_.end(),
+                       [](const std::unique_ptr<Job>& job) { return job->load && !job->replaced; });
 }
 
 void BackgroundJobs::load_environment(const std::filesystem::path& file) {

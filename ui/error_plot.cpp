@@ -67,8 +67,8 @@ void draw_decades(ImDrawList& list, const LogAxis& x, const LogAxis& y) {
     }
 }
 
-// Where the error is expected from now on: a band that opens, and the middle of it, dashed. The past
-// is the fitted line.
+// Where the error is expected from now on: a band that opens, and the middle of it, dashed. The
+// past is the fitted line.
 void draw_cone(ImDrawList& list, const LogAxis& x, const LogAxis& y, const ErrorEstimate& error,
                double seconds_now) {
     if (!(error.relrmse_percent > 0) || !(error.seconds > 0)) return;

@@ -36,31 +36,43 @@ struct Group {
     bool (*is_used)(const Material&);
 };
 constexpr Group kGroups[] = {
-    {"Emission", "KHR_materials_emissive_strength", {"emissive_factor", "emissive_strength"},
+    {"Emission",
+     "KHR_materials_emissive_strength",
+     {"emissive_factor", "emissive_strength"},
      [](const Material& m) { return m.is_emissive(); }},
-    {"Specular", "KHR_materials_specular, KHR_materials_ior",
+    {"Specular",
+     "KHR_materials_specular, KHR_materials_ior",
      {"ior", "specular_factor", "specular_color_factor"},
      [](const Material& m) {
          return m.ior != 1.5f || m.specular_factor != 1 || m.specular_color_factor != Rgb(1);
      }},
-    {"Transmission", "KHR_materials_transmission, KHR_materials_dispersion",
+    {"Transmission",
+     "KHR_materials_transmission, KHR_materials_dispersion",
      {"transmission_factor", "dispersion"},
      [](const Material& m) { return m.transmission_factor > 0; }},
-    {"Volume", "KHR_materials_volume",
+    {"Volume",
+     "KHR_materials_volume",
      {"thickness_factor", "attenuation_color", "attenuation_distance", "multiscatter_color",
       "scatter_anisotropy", "nested_priority"},
      [](const Material& m) { return m.thickness_factor > 0; }},
-    {"Diffuse transmission", "KHR_materials_diffuse_transmission",
+    {"Diffuse transmission",
+     "KHR_materials_diffuse_transmission",
      {"diffuse_transmission_factor", "diffuse_transmission_color_factor"},
      [](const Material& m) { return m.diffuse_transmission_factor > 0; }},
-    {"Clearcoat", "KHR_materials_clearcoat",
+    {"Clearcoat",
+     "KHR_materials_clearcoat",
      {"clearcoat_factor", "clearcoat_roughness_factor", "clearcoat_normal_scale"},
      [](const Material& m) { return m.clearcoat_factor > 0; }},
-    {"Sheen", "KHR_materials_sheen", {"sheen_color_factor", "sheen_roughness_factor"},
+    {"Sheen",
+     "KHR_materials_sheen",
+     {"sheen_color_factor", "sheen_roughness_factor"},
      [](const Material& m) { return m.has_sheen(); }},
-    {"Anisotropy", "KHR_materials_anisotropy", {"anisotropy_strength", "anisotropy_rotation"},
+    {"Anisotropy",
+     "KHR_materials_anisotropy",
+     {"anisotropy_strength", "anisotropy_rotation"},
      [](const Material& m) { return m.anisotropy_strength > 0; }},
-    {"Iridescence", "KHR_materials_iridescence",
+    {"Iridescence",
+     "KHR_materials_iridescence",
      {"iridescence_factor", "iridescence_ior", "iridescence_thickness_minimum",
       "iridescence_thickness_maximum"},
      [](const Material& m) { return m.iridescence_factor > 0; }},
@@ -140,7 +152,8 @@ bool draw_material_panel(ViewerModel& model) {
     if (textured) {
         ImGui::Spacing();
         ImGui::Separator();
-        for (const MaterialTexture& row : kMaterialTextures) draw_texture(model, row.name, material.*row.slot);
+        for (const MaterialTexture& row : kMaterialTextures)
+            draw_texture(model, row.name, material.*row.slot);
     }
     return changed;
 }

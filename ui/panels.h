@@ -60,8 +60,8 @@ struct DiagnosisRequest {
 void draw_accuracy_panel(const Snapshot* snapshot, ViewerModel& model, Edits& edits,
                          const Diagnosis& diagnosis, DiagnosisRequest& request);
 
-// Samples to look at. `chosen` is set to one whose path is asked for, `closed` when the path that is
-// on show is to go.
+// Samples to look at. `chosen` is set to one whose path is asked for, `closed` when the path that
+// is on show is to go.
 void draw_samples_panel(const Snapshot* snapshot, const ReplayedPath* path,
                         std::optional<NotedSample>& chosen, bool& closed);
 

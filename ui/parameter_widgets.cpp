@@ -121,9 +121,8 @@ bool edit_vector(const ParameterInfo& info, const char* id, ParameterValue& valu
         largest = std::max(largest, std::abs(value[static_cast<std::size_t>(i)]));
     const float speed = static_cast<float>(std::max(largest, 1.0) / 200);
     const float spacing = ImGui::GetStyle().ItemInnerSpacing.x;
-    const float width =
-        (ImGui::CalcItemWidth() - spacing * static_cast<float>(count - 1)) /
-        static_cast<float>(count);
+    const float width = (ImGui::CalcItemWidth() - spacing * static_cast<float>(count - 1)) /
+                        static_cast<float>(count);
     bool edited = false;
     ImGui::PushID(id);
     for (int i = 0; i < count; ++i) {

@@ -76,10 +76,10 @@ std::optional<Vec2f> screen_position(const ViewerModel& model, const PixelRect& 
 
 void draw_path(const ReplayedPath& path, const ViewerModel& model, const PixelRect& image) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    list.PushClipRect(
-        ImVec2(static_cast<float>(image.x), static_cast<float>(image.y)),
-        ImVec2(static_cast<float>(image.x + image.width), static_cast<float>(image.y + image.height)),
-        false);
+    list.PushClipRect(ImVec2(static_cast<float>(image.x), static_cast<float>(image.y)),
+                      ImVec2(static_cast<float>(image.x + image.width),
+                             static_cast<float>(image.y + image.height)),
+                      false);
     PathPainter painter(model, image);
     const ImU32 color = IM_COL32(255, 205, 60, 255);
     // The first ray is seen from its end: it is the first vertex.
@@ -92,7 +92,8 @@ void draw_path(const ReplayedPath& path, const ViewerModel& model, const PixelRe
         const double reach = 0.5 * model.view.scene_radius();
         painter.segment(last, last + reach * path.last_direction, IM_COL32(90, 170, 255, 255));
     }
-    for (std::size_t i = 0; i < path.vertices.size(); ++i) painter.vertex(path.vertices[i].point, i);
+    for (std::size_t i = 0; i < path.vertices.size(); ++i)
+        painter.vertex(path.vertices[i].point, i);
     list.PopClipRect();
 }
 

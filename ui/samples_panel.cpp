@@ -46,8 +46,8 @@ void draw_list(const char* id, const std::vector<NotedSample>& samples, const Sn
     ImGui::TableSetupColumn("Largest");
     ImGui::TableHeadersRow();
     for (const NotedSample& sample : samples) {
-        const bool selected = path && path->x == sample.x && path->y == sample.y &&
-                              path->sample == sample.sample;
+        const bool selected =
+            path && path->x == sample.x && path->y == sample.y && path->sample == sample.sample;
         if (draw_sample(sample, snapshot, selected)) chosen = sample;
     }
     ImGui::EndTable();

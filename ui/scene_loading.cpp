@@ -53,8 +53,7 @@ Result<LoadedScene> load_scene(const std::filesystem::path& file, std::stop_toke
     if (!opened) return opened.error();
     Result<SceneDesc> desc = (*opened)->read(options);
     if (!desc) return desc.error();
-    if (!has_light(desc->lights, desc->environment, desc->materials))
-        desc->environment = fallback;
+    if (!has_light(desc->lights, desc->environment, desc->materials)) desc->environment = fallback;
 
     WorkerPool pool(threads);
     SceneBuildOptions build;
@@ -91,8 +90,7 @@ Result<RereadScene> reread_scene(const std::shared_ptr<GltfFile>& file, const Sc
     const std::string name = desc->file;
     RereadScene reread;
     reread.loaded.scene = Scene::build(std::move(*desc), pool, build);
-    if (!reread.loaded.scene)
-        return Error{ErrorKind::cancelled, name, "", "loading was cancelled"};
+    if (!reread.loaded.scene) return Error{ErrorKind::cancelled, name, "", "loading was cancelled"};
     reread.loaded.camera = first_camera(*reread.loaded.scene);
     reread.loaded.file = file;
     reread.loaded.choice = choice;

@@ -68,18 +68,25 @@ SampleFault fault_of(const NonFiniteCount& before, const NonFiniteCount& after) 
     return SampleFault::none;
 }
 
+void accumulate(FilmPixel& p, const Rgb& value, bool covered) {
+    ++p.samples;
+    p.covered += covered ? 1 : 0;
+    p.sum[0].add(value.x);
+    p.sum[1].add(value.y);
+    p.sum[2].add(value.z);
+}
+
 // Notes the sample if it stands out against its pixel's earlier ones, and a pixel's first sample if
 // that stands out against the second.
-void judge(const FilmPixel& p, const NotedSample& sample, SampleLog& log) {
+[[gnu::noinline]] void judge(const FilmPixel& p, const NotedSample& sample, SampleLog& log) {
     const double value = static_cast<double>(sample.largest());
     const double sum = p.largest_sum();
     if (value * static_cast<double>(p.samples) > kOutlierRatio * sum) log.note_outlier(sample);
     if (p.samples != 1 || sum <= kOutlierRatio * value) return;
     NotedSample first = sample;
     --first.sample;
-    first.radiance =
-        Rgb(static_cast<float>(p.sum[0].value()), static_cast<float>(p.sum[1].value()),
-            static_cast<float>(p.sum[2].value()));
+    first.radiance = Rgb(static_cast<float>(p.sum[0].value()), static_cast<float>(p.sum[1].value()),
+                         static_cast<float>(p.sum[2].value()));
     log.note_outlier(first);
 }
 
@@ -114,15 +121,9 @@ Film::Film(uint32_t width, uint32_t height)
 void Film::add(uint32_t x, uint32_t y, const Rgb& radiance, bool covered, uint64_t sample,
                NonFiniteCount& counts) {
     TALBOT_DCHECK(x < width_ && y < height_);
-    FilmPixel& p = pixel(x, y);
-    ++p.samples;
-    p.covered += covered ? 1 : 0;
     const bool ordinary =
         is_ordinary(radiance.x) && is_ordinary(radiance.y) && is_ordinary(radiance.z);
-    const Rgb value = ordinary ? radiance : repair(x, y, radiance, sample, counts);
-    p.sum[0].add(value.x);
-    p.sum[1].add(value.y);
-    p.sum[2].add(value.z);
+    accumulate(pixel(x, y), ordinary ? radiance : repair(x, y, radiance, sample, counts), covered);
 }
 
 void Film::add(uint32_t x, uint32_t y, const Rgb& radiance, bool covered, uint64_t sample,
@@ -131,7 +132,7 @@ void Film::add(uint32_t x, uint32_t y, const Rgb& radiance, bool covered, uint64
         is_ordinary(radiance.x) && is_ordinary(radiance.y) && is_ordinary(radiance.z);
     if (ordinary) {
         // Hardly any sample gets past this look at one sum of its pixel.
-        const FilmPixel& p = pixel(x, y);
+        FilmPixel& p = pixel(x, y);
         const int c = radiance.y > radiance.x ? (radiance.z > radiance.y ? 2 : 1)
                                               : (radiance.z > radiance.x ? 2 : 0);
         const float largest = radiance[c];
@@ -140,7 +141,7 @@ void Film::add(uint32_t x, uint32_t y, const Rgb& radiance, bool covered, uint64
                                  static_cast<double>(largest) * static_cast<double>(p.samples) >
                                      kOutlierRatio * p.sum[c].value())
             judge(p, {x, y, sample, radiance, SampleFault::none}, log);
-        return add(x, y, radiance, covered, sample, counts);
+        return accumulate(p, radiance, covered);
     }
     const NonFiniteCount before = counts;
     add(x, y, radiance, covered, sample, counts);

@@ -113,8 +113,8 @@ bool AovBuffer::add_pass(const RenderScene& scene, const CameraRays& camera,
         height_,
         [&](uint64_t row, unsigned) {
             for (uint32_t x = 0; x < width_ && !stop.stop_requested(); ++x) {
-                pass_[row * width_ + x] = aov_sample(aov_, scene, camera, settings, x,
-                                                     static_cast<uint32_t>(row), index);
+                pass_[row * width_ + x] =
+                    aov_sample(aov_, scene, camera, settings, x, static_cast<uint32_t>(row), index);
             }
         },
         stop);

@@ -67,8 +67,8 @@ void ViewLayers::update(const View& view, const std::stop_token& stop) {
     const uint32_t width = view.settings.width;
     const uint32_t height = view.settings.height;
     if (selection_ && !object_ids_) {
-        object_ids_ = render_object_ids(view.scene, rays_of(view, width, height), width, height,
-                                        view.pool);
+        object_ids_ =
+            render_object_ids(view.scene, rays_of(view, width, height), width, height, view.pool);
     }
     if (!traces() || buffer_.samples() >= kMostAovSamples) return;
     if (buffer_.samples() > 0 && !aov_info(*aov_).averaged) return;
