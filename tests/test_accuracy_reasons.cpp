@@ -8,7 +8,7 @@
 #include "core/session/bias_ledger.h"
 #include "core/session/error_shares.h"
 #include "core/session/render_pass.h"
-#include "tests/scene_builder.h"
+#include "oracles/scene_builder.h"
 
 namespace talbot {
 namespace {
