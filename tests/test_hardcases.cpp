@@ -177,7 +177,9 @@ TEST(HardCasesCommand, StressKeepsThePromisesOfABuiltInScene) {
     int moved = 0;
     for (const nlohmann::json& row : j["transforms"]) {
         const std::string name = row["transform"];
-        if (name.find("2^") != std::string::npos) EXPECT_EQ(row["same_bytes"], true) << name;
+        if (name.find("2^") != std::string::npos) {
+            EXPECT_EQ(row["same_bytes"], true) << name;
+        }
         moved += name.find("moved") != std::string::npos ? 1 : 0;
     }
     EXPECT_EQ(moved, 6);
