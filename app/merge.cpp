@@ -120,6 +120,7 @@ ordered_json summary(const MergeOptions& options, const FilmFile& file) {
                       {"lo95", error.lo95},
                       {"hi95", error.hi95},
                       {"exponent", error.exponent},
+                      {"exposure_ev", error.exposure_ev},
                       {"trust", trust_name(error.trust)},
                       {"why", error.why}};
     }

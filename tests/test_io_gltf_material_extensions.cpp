@@ -159,6 +159,7 @@ TEST(MaterialExtensions, EachEffectHasItsWitnessAndNoneWithoutItsFactor) {
         {Effect::dispersion,
          [](Material& m) {
              m.dispersion = 0.1f, m.transmission_factor = 1, m.thickness_factor = 1;
+             m.metallic_factor = 0;
          },
          [](Material& m) { m.thickness_factor = 0; }}};
     for (const Case& c : cases) {

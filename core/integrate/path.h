@@ -18,7 +18,7 @@
 namespace talbot {
 
 // The first vertex at which Russian roulette may end a path.
-inline constexpr uint32_t kRouletteStart = 3;
+inline constexpr uint32_t kRouletteStart = 4;
 
 struct PathSample {
     Rgb Li{0};
