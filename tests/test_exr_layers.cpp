@@ -98,9 +98,9 @@ TEST_F(ExrLayers, ListsAreCheckedBeforeAnythingIsDone) {
 }
 
 TEST_F(ExrLayers, OutliersAreTheSameForAnyThreadsAndCanBeReplayed) {
-    const std::string spheres = TALBOT_SOURCE_DIR "/assets/scenes/spheres.gltf";
+    const std::string rare_light = TALBOT_SOURCE_DIR "/assets/scenes/rare-light.gltf";
     const auto outliers = [&](const char* threads, const char* name) {
-        EXPECT_EQ(run(spheres + " --frames 32 --size 64x36 --tile-size 8 --threads " + threads +
+        EXPECT_EQ(run(rare_light + " --frames 32 --size 64x36 --tile-size 8 --threads " + threads +
                       " --report " + file(name))
                       .code,
                   0);
@@ -113,7 +113,7 @@ TEST_F(ExrLayers, OutliersAreTheSameForAnyThreadsAndCanBeReplayed) {
     ASSERT_TRUE(first.contains("vertices"));
     EXPECT_GE(first["vertices"].size(), 1u);
     const auto replay =
-        run(spheres + " --size 64x36 --pixel " + std::to_string(first["pixel"][0].get<int>()) +
+        run(rare_light + " --size 64x36 --pixel " + std::to_string(first["pixel"][0].get<int>()) +
             "," + std::to_string(first["pixel"][1].get<int>()) + " --sample " +
             std::to_string(first["sample"].get<int>()));
     ASSERT_EQ(replay.code, 0);
