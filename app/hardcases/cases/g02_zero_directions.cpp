@@ -140,9 +140,11 @@ CaseResult run(Effort effort) {
                                   .measure("boxes that are met and rejected"));
     result.measures.push_back(axis_aligned_scene(inputs(effort, 4e4, 5e6))
                                   .measure("rays along axes that differ from brute force"));
+    // Quick runs are part of the tests, which never depend on a clock.
+    if (effort == Effort::quick) return result;
     Measure speed{"time of rays along axes over that of turned ones",
                   NAN,
-                  time_ratio(inputs(effort, 2e4, 1e5)),
+                  time_ratio(100000),
                   1.05,
                   Gate::at_most,
                   ""};
