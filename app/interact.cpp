@@ -5,6 +5,7 @@
 
 #include "app/interaction_runner.h"
 #include "core/io/image_io.h"
+#include "core/scene/effects_off.h"
 
 namespace talbot {
 namespace {
@@ -45,6 +46,12 @@ Json report_of(FrameLoop& loop, const InteractionRunner& runner, const GlContext
     for (const IdleRecord& idle : runner.idle_records()) {
         report["idle"].push_back(
             {{"seconds", idle.seconds}, {"samples_per_second", idle.samples_per_second}});
+    }
+    report["kernels"] = Json::array();
+    for (const KernelRecord& record : runner.kernel_records()) {
+        report["kernels"].push_back({{"frame", record.frame},
+                                     {"kernel", record.kernel},
+                                     {"effects", effect_names(record.effects)}});
     }
     report["unshown_changes"] = loop.recorder().pending();
     report["ok"] = outcome.ok();

@@ -51,7 +51,7 @@ void InteractionRunner::frame() {
         if (!news || !loop_.input().empty()) continue;
         if (now_seconds() - last < kShortestFrameSeconds) continue;
         loop_.step();
-        ++frames_;
+        note_frame();
         last = now_seconds();
     }
     if (!loop_.needs_frame()) return;
@@ -62,7 +62,18 @@ void InteractionRunner::frame() {
         has_news_ = false;
     }
     loop_.draw();
+    note_frame();
+}
+
+void InteractionRunner::note_frame() {
     ++frames_;
+    const Snapshot* snapshot = loop_.snapshot();
+    if (!snapshot || snapshot->kernel.empty()) return;
+    const EffectSet effects = snapshot->effects.active;
+    if (!kernels_.empty() && kernels_.back().kernel == snapshot->kernel &&
+        kernels_.back().effects == effects)
+        return;
+    kernels_.push_back({frames_, snapshot->kernel, effects});
 }
 
 bool InteractionRunner::wait_until(const ScriptStep& step, const std::function<bool()>& reached) {
@@ -211,6 +222,14 @@ std::string InteractionRunner::expect(const ScriptStep& step) {
     }
     if (step.notice && loop_.notice().find(*step.notice) == std::string::npos) {
         return "the message is '" + loop_.notice() + "', not '" + *step.notice + "'";
+    }
+    const Snapshot* snapshot = loop_.snapshot();
+    if ((step.kernel || step.effect) && !snapshot) return "there is no image yet";
+    if (step.kernel && snapshot->kernel != *step.kernel)
+        return "the kernel is '" + snapshot->kernel + "', not '" + *step.kernel + "'";
+    if (step.effect && snapshot->effects.active.has(*step.effect) == step.effect_absent) {
+        return "the effect " + std::string(effect_info(*step.effect).name) +
+               (step.effect_absent ? " is in use" : " is not in use");
     }
     if (step.path.empty()) return {};
     const Result<ParameterInfo> info = parameter_info(model, step.path);

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "ui/frame_loop.h"
@@ -17,6 +18,13 @@ struct IdleRecord {
     double samples_per_second = 0;
 };
 
+// From this frame on the image on show came from this kernel and had these effects.
+struct KernelRecord {
+    uint64_t frame = 0;
+    std::string kernel;
+    EffectSet effects;
+};
+
 class InteractionRunner {
   public:
     InteractionRunner(RenderSession& session, GlContext& context, FrameLoop& loop);
@@ -25,6 +33,7 @@ class InteractionRunner {
     Status run(const ScriptStep& step, const std::string& script);
 
     const std::vector<IdleRecord>& idle_records() const { return idle_; }
+    const std::vector<KernelRecord>& kernel_records() const { return kernels_; }
     uint64_t frames() const { return frames_; }
 
     // To be called by the session on each new snapshot.
@@ -32,6 +41,7 @@ class InteractionRunner {
 
   private:
     void frame();
+    void note_frame();
     bool wait_until(const ScriptStep& step, const std::function<bool()>& reached);
     Vec2f position_of(double x, double y, bool in_window) const;
     void drag(Vec2f from, Vec2f by, const ScriptStep& step);
@@ -55,6 +65,7 @@ class InteractionRunner {
     GlContext& context_;
     FrameLoop& loop_;
     std::vector<IdleRecord> idle_;
+    std::vector<KernelRecord> kernels_;
     uint64_t frames_ = 0;
     double next_frame_ = 0;
     std::mutex mutex_;

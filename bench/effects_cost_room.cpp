@@ -27,7 +27,7 @@ uint32_t checker(SceneDesc& desc, int dark_alpha) {
     return static_cast<uint32_t>(desc.textures.size() - 1);
 }
 
-// What the two boxes in the room are made of: it decides the kernel.
+// What the room is made of, or the two boxes in it alone: it decides the kernel and the surfaces' code.
 Material material_of(const std::string& room, SceneDesc& desc) {
     Material m;
     m.base_color_factor = Vec4f(0.8f, 0.8f, 0.8f, 1);
@@ -44,30 +44,31 @@ Material material_of(const std::string& room, SceneDesc& desc) {
     } else if (room == "transmissive-mask") {
         m.alpha_mode = AlphaMode::mask;
         m.base_color_texture.texture = checker(desc, 0);
-    } else if (room == "full") {
+    }
+    // Two layers of different extensions need the full code.
+    if (room == "full" || room == "full-coat") {
         m.clearcoat_factor = 1;
         m.clearcoat_roughness_factor = 0.2f;
-    } else if (room == "full-sheen") {
+    }
+    if (room == "full" || room == "full-sheen") {
         m.sheen_color_factor = Rgb(1);
         m.sheen_roughness_factor = 0.5f;
     }
+    if (room == "full-coat" || room == "full-sheen") m.anisotropy_strength = 0.5f;
     return m;
 }
 
 std::shared_ptr<const Scene> make_room(const std::string& room, WorkerPool& pool) {
     SceneBuilder builder;
-    const bool matte = room.starts_with("matte");
+    Material thing = material_of(room, builder.desc());
+    if (room.starts_with("matte")) thing.specular_factor = 0;
+    const bool all_alike = room.starts_with("full") || room.starts_with("textured");
     const auto wall = [&](const Vec3f& color) {
-        Material m;
+        Material m = all_alike ? thing : material_of("plain", builder.desc());
         m.base_color_factor = Vec4f(color, 1);
-        m.metallic_factor = 0;
-        m.roughness_factor = 0.6f;
-        m.specular_factor = matte ? 0.0f : 1.0f;
-        m.double_sided = true;
+        m.specular_factor = thing.specular_factor;
         return m;
     };
-    Material thing = material_of(room, builder.desc());
-    if (matte) thing.specular_factor = 0;
     const auto quad = [&](const Vec3f& p, const Vec3f& a, const Vec3f& b, uint32_t material) {
         Mesh mesh = SceneBuilder::quad(p, a, b);
         mesh.uv[0] = {Vec2f(0, 1), Vec2f(1, 1), Vec2f(1, 0), Vec2f(0, 0)};

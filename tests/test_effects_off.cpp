@@ -99,7 +99,7 @@ TEST(EffectLedger, PricesWhatIsThere) {
     const EffectScene made = make_effect_scene(Effect::clearcoat, workers());
     RenderSettings settings = small();
     PricePolicy policy;
-    policy.rounds = 4;
+    policy.rounds = policy.most_rounds = 4;
     const auto prices = price_effects(made.scene, made.camera, settings, policy);
     ASSERT_TRUE(prices.has_value());
     EffectSet priced;

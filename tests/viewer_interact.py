@@ -72,6 +72,29 @@ def check_tour(binary, scenes, folder):
           f"frames p99 {report['frame_ms']['p99']:.1f} ms, OpenGL p99 {report['gl_ms']['p99']:.1f} ms")
 
 
+def check_effects(binary, scenes, folder):
+    """The slider of a clear coat: the first image with the edit has the effect and its kernel, back at zero it has not."""
+    def coat(value):
+        return [{"do": "set", "path": "materials[1].clearcoat_factor", "value": value}, {"do": "wait", "passes": 1}]
+    done, report = run(binary, os.path.join(scenes, "cornell.gltf"), [
+        {"do": "wait", "passes": 1},
+        {"do": "expect", "kernel": "matte"},
+        {"do": "expect", "effect": "-clearcoat"},
+        *coat(0.1),
+        {"do": "expect", "effect": "clearcoat"},
+        {"do": "expect", "kernel": "full"},
+        *coat(0),
+        {"do": "expect", "effect": "-clearcoat"},
+        {"do": "expect", "kernel": "matte"},
+    ], folder, "--size", "96x64")
+    expect(done.returncode == 0 and report["ok"], f"the coat's slider: {done.stderr}")
+    rows = [(row["kernel"], "clearcoat" in row["effects"].split(",")) for row in report["kernels"]]
+    expect(rows == [("matte", False), ("full", True), ("matte", False)], f"kernels on show: {report['kernels']}")
+    done, _ = run(binary, os.path.join(scenes, "cornell.gltf"),
+                  [{"do": "wait", "passes": 1}, {"do": "expect", "effect": "sheen"}], folder, "--size", "64x48")
+    expect(done.returncode == 1 and "sheen" in done.stderr, "an effect that is missing goes unnoticed")
+
+
 def check_failures(binary, scenes, folder):
     scene = os.path.join(scenes, "cornell.gltf")
     done, report = run(binary, scene, [{"do": "expect", "path": "camera.yfov", "value": 9}], folder, "--size", "64x48")
@@ -101,6 +124,7 @@ def main():
     try:
         with tempfile.TemporaryDirectory() as folder:
             check_tour(binary, scenes, folder)
+            check_effects(binary, scenes, folder)
             check_failures(binary, scenes, folder)
             check_random(binary, scenes, folder)
     except Failure as failure:

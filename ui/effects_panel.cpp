@@ -30,7 +30,6 @@ void explain(const EffectInfo& info, const EffectReport& effects, EffectState st
     }
 }
 
-// Auto, on, off as one small button that goes round.
 bool edit_state(RenderSettings& settings, Effect effect, EffectState state) {
     const char* const names[] = {"auto", "on", "off"};
     int index = static_cast<int>(state);
@@ -69,48 +68,66 @@ void draw_measurement(ViewerModel& model, const Snapshot& snapshot) {
         model.effect_prices->start(snapshot);
     }
     if (ImGui::IsItemHovered())
-        ImGui::SetTooltip("Time, error and change of picture of each effect, by a small image of\n"
-                          "this view; runs beside the render, which goes a little slower.");
+        ImGui::SetTooltip(
+            "Time, error and change of picture of each effect, by a small image of\n"
+            "this view; runs beside the render, which goes a little slower.");
 }
 
-}  // namespace
+// In use are also effects that are forced, one way or the other.
+bool is_listed(const Snapshot& snapshot, Effect effect, EffectState state) {
+    return snapshot.effects.active.has(effect) || state != EffectState::automatic;
+}
 
-bool draw_effects_panel(ViewerModel& model, const Snapshot* snapshot) {
-    if (!snapshot) return false;
-    bool changed = false;
-    if (!snapshot->kernel.empty()) text_row("Kernel", "%s", snapshot->kernel.c_str());
-    draw_measurement(model, *snapshot);
-    const std::shared_ptr<const EffectPriceJob::Figures> figures =
-        model.effect_prices ? model.effect_prices->figures() : nullptr;
-    const bool stale = figures && figures->generation != snapshot->generation;
-    if (!ImGui::BeginTable("effects", figures ? 4 : 2, ImGuiTableFlags_SizingStretchProp))
+// A row for each effect that is in use, or for each of the others; true when a switch moved.
+bool draw_rows(ViewerModel& model, const Snapshot& snapshot, const EffectPriceJob::Figures* figures,
+               bool in_use) {
+    if (!ImGui::BeginTable(in_use ? "in use" : "not in use", figures && in_use ? 4 : 2,
+                           ImGuiTableFlags_SizingStretchProp))
         return false;
+    bool changed = false;
     const float em = ImGui::GetFontSize();
-    ImGui::TableSetupColumn("effect");
+    ImGui::TableSetupColumn("effect", ImGuiTableColumnFlags_WidthStretch, 2.4f);
     ImGui::TableSetupColumn("state", ImGuiTableColumnFlags_WidthFixed, 4.6f * em);
-    if (figures) {
+    if (figures && in_use) {
+        const bool stale = figures->generation != snapshot.generation;
         ImGui::TableSetupColumn(stale ? "time (old)" : "time");
         ImGui::TableSetupColumn("change");
         ImGui::TableHeadersRow();
     }
     for (const EffectInfo& info : kEffects) {
         const EffectState state = effect_state(model.settings, info.effect);
-        const bool active = snapshot->effects.active.has(info.effect);
+        if (is_listed(snapshot, info.effect, state) != in_use) continue;
         ImGui::PushID(static_cast<int>(info.effect));
         ImGui::TableNextColumn();
         ImGui::AlignTextToFramePadding();
-        if (active || state == EffectState::on) {
+        if (in_use) {
             ImGui::TextUnformatted(info.label.data());
         } else {
             ImGui::TextDisabled("%s", info.label.data());
         }
-        if (ImGui::IsItemHovered()) explain(info, snapshot->effects, state);
+        if (ImGui::IsItemHovered()) explain(info, snapshot.effects, state);
         ImGui::TableNextColumn();
         changed |= edit_state(model.settings, info.effect, state);
-        if (figures) show_price(price_of(figures.get(), info.effect));
+        if (figures && in_use) show_price(price_of(figures, info.effect));
         ImGui::PopID();
     }
     ImGui::EndTable();
+    return changed;
+}
+
+}  // namespace
+
+bool draw_effects_panel(ViewerModel& model, const Snapshot* snapshot) {
+    if (!snapshot) return false;
+    if (!snapshot->kernel.empty()) text_row("Kernel", "%s", snapshot->kernel.c_str());
+    draw_measurement(model, *snapshot);
+    const std::shared_ptr<const EffectPriceJob::Figures> figures =
+        model.effect_prices ? model.effect_prices->figures() : nullptr;
+    bool changed = draw_rows(model, *snapshot, figures.get(), true);
+    if (ImGui::TreeNodeEx("Not in use", ImGuiTreeNodeFlags_SpanAvailWidth)) {
+        changed |= draw_rows(model, *snapshot, nullptr, false);
+        ImGui::TreePop();
+    }
     return changed;
 }
 

@@ -45,7 +45,10 @@ const std::array<ActionInfo, 20>& actions() {
         {ScriptAction::idle, "idle", {"seconds"}, {}},
         {ScriptAction::measure, "measure", {}, {}},
         {ScriptAction::random, "random", {"count"}, {"seed"}},
-        {ScriptAction::expect, "expect", {}, {"path", "value", "tolerance", "selected", "notice"}},
+        {ScriptAction::expect,
+         "expect",
+         {},
+         {"path", "value", "tolerance", "selected", "notice", "kernel", "effect"}},
     }};
     return table;
 }
@@ -208,8 +211,16 @@ void read_fields(LineReader& reader, ScriptStep& step) {
         const bool has_value = reader.has("path") && reader.has("value");
         if (reader.has("selected")) reader.string("selected", step.selected.emplace());
         if (reader.has("notice")) reader.string("notice", step.notice.emplace());
-        if (!has_value && !step.selected && !step.notice) {
-            reader.fail("", "\"expect\" needs path and value, selected, or notice");
+        if (reader.has("kernel")) reader.string("kernel", step.kernel.emplace());
+        if (reader.has("effect")) {
+            std::string name;
+            reader.string("effect", name);
+            step.effect_absent = name.starts_with('-');
+            step.effect = effect_from_name(step.effect_absent ? name.substr(1) : name);
+            if (!step.effect) reader.fail("effect", "there is no effect '" + name + "'");
+        }
+        if (!has_value && !step.selected && !step.notice && !step.kernel && !step.effect) {
+            reader.fail("", "\"expect\" needs path and value, selected, notice, kernel or effect");
         }
     }
     if (step.action == ScriptAction::sweep && step.value.size() != step.to.size()) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/scene/effects.h"
 #include "ui/input.h"
 #include "ui/parameters.h"
 
@@ -54,7 +55,10 @@ struct ScriptStep {
     std::string text;                     // typed text, or a choice's name
     std::optional<std::string> selected;  // the expected object's name; empty for none
     std::optional<std::string> notice;    // a part of the expected message
-    std::string path;                     // of a parameter
+    std::optional<std::string> kernel;    // of the image on show
+    std::optional<Effect> effect;         // that the image on show has, or has not
+    bool effect_absent = false;
+    std::string path;           // of a parameter
     std::vector<double> value;  // one number or one per component; empty when text names a choice
     std::vector<double> to;     // where a sweep ends
     double tolerance = 0;

@@ -33,7 +33,7 @@ bool accept_coverage(const void* context, const Ray& ray, const Hit& hit) {
         }
     }
     if (!ask_side && texels == TriangleCoverage::opaque) return true;
-    const SurfaceInteraction si = make_surface_interaction<kTier>(scene, ray, hit, true);
+    const SurfaceInteraction si = make_surface_interaction<kTier>(scene, ray, hit);
     if (ask_side && !si.front) return false;
     if constexpr (kTier.has(Effect::alpha_mask) || kTier.has(Effect::alpha_blend)) {
         if (texels == TriangleCoverage::mixed) {

@@ -3,13 +3,16 @@
 // and Russian roulette on the throughput.
 //   Li    radiance along the camera ray, nits      beta  throughput so far
 //   wo    unit, towards where the path came from   wi    unit, where it goes on
-// Read trace_path from top to bottom; everything else here is a step of it.
+// Read trace_path and then meet_surface from top to bottom; everything else here is a step of them.
+// kTier is what the kernel is compiled for, kSurface what the shading of one surface is.
 #pragma once
 
+#include "core/geometry/force_inline.h"
 #include "core/integrate/coverage.h"
 #include "core/integrate/medium_stack.h"
 #include "core/integrate/pixel_filter.h"
 #include "core/integrate/sampler.h"
+#include "core/integrate/tiers.h"
 #include "core/scattering/bsdf.h"
 #include "core/scattering/dispersion.h"
 #include "core/scattering/henyey_greenstein.h"
@@ -68,14 +71,14 @@ struct PathState {
     float bsdf_pdf = 0;   // density of the last scattering direction
     bool specular =
         true;  // the last event was the camera or a delta lobe: no other strategy finds its light
-    bool specular_chain = true;  // nothing but delta events since the camera
-    Vec3f from{0};               // the last vertex
-    Vec3f n_from{0};             // its normal as light sampling was given it
-    float wavelength = 0;        // nanometres; 0 until a dispersive surface is met
-    MediumStack media;           // volumes that the ray is inside of
-    Medium medium;               // of the one that fills the space
-    uint32_t false_boundaries = 0;   // crossed ones that were no surfaces
-    uint32_t medium_events = 0;  // times that the path scattered inside media
+    bool specular_chain = true;     // nothing but delta events since the camera
+    Vec3f from{0};                  // the last vertex
+    Vec3f n_from{0};                // its normal as light sampling was given it
+    float wavelength = 0;           // nanometres; 0 until a dispersive surface is met
+    MediumStack media;              // volumes that the ray is inside of
+    Medium medium;                  // of the one that fills the space
+    uint32_t false_boundaries = 0;  // crossed ones that were no surfaces
+    uint32_t medium_events = 0;     // times that the path scattered inside media
 
     // Goes on inside other volumes than before.
     void enter(const MediumStack& now, std::span<const Material> materials) {
@@ -146,13 +149,15 @@ void add_emission(const RenderScene& rs, const PathSettings& settings, const Ray
                   const Material& material, const SurfaceInteraction& si, PathState& path,
                   Recorder& recorder) {
     if (!kTier.has(Effect::emissive_meshes) || !material.is_emissive()) return;
-    Rgb Le = emitted_radiance(rs.scene(), material, si.uv[0], si.uv[1], si.front,
+    const UvSets uv = uv_sets(si);
+    Rgb Le = emitted_radiance(rs.scene(), material, uv.first, uv.second, si.front,
                               std::abs(dot(ray.d, si.n_geometric)));
     show_value(recorder, PathValue::emission, Le);
     if (is_black(Le)) return;
     float weight = 1;
     if (!path.specular && settings.next_event_estimation) {
-        float pdf = rs.lights().pdf_surface(path.from, path.n_from, si.id, si.p);
+        const Vec3f p = si.p;
+        float pdf = rs.lights().pdf_surface(path.from, path.n_from, si.id, p);
         show_value(recorder, PathValue::emission_pdf, pdf);
         weight = power_heuristic(path.bsdf_pdf, pdf);
     }
@@ -160,13 +165,13 @@ void add_emission(const RenderScene& rs, const PathSettings& settings, const Ray
 }
 
 // Next-event estimation: one light, one shadow ray.
-template <EffectSet kTier, typename Recorder>
+template <EffectSet kTier, EffectSet kSurface, typename Recorder>
 void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
-                      const Bounce& numbers, const SurfaceInteraction& si, const Vec3f& n_lit,
-                      const Bsdf<kTier>& bsdf, const Crossing& crossing, PathState& path,
+                      const Bounce& numbers, const SurfaceInteraction& si, Vec3f n_lit,
+                      const Bsdf<kSurface>& bsdf, const Crossing& crossing, PathState& path,
                       uint32_t& rays, Recorder& recorder) {
-    std::optional<LightSample> light = rs.lights().sample(
-        rs.scene(), si.lit_point(), n_lit, numbers.light_choice(), numbers.light());
+    std::optional<LightSample> light = rs.lights().sample(rs.scene(), si.lit_point(), n_lit,
+                                                          numbers.light_choice(), numbers.light());
     if (!light) return;
     show_value(recorder, PathValue::light, light->radiance);
     show_value(recorder, PathValue::light_pdf, light->pdf);
@@ -185,9 +190,9 @@ void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bo
         // A light inside a volume; from outside of all the boundary itself is in the way.
         if (!light->infinite) {
             const bool crosses = (dot(light->wi, si.n_geometric) > 0) != si.front;
-            const Rgb sigma =
-                crosses ? medium_inside(crossing.after, rs.scene().materials()).sigma_t
-                        : path.medium.sigma_t;
+            const Rgb sigma = crosses
+                                  ? medium_inside(crossing.after, rs.scene().materials()).sigma_t
+                                  : path.medium.sigma_t;
             if (!is_black(sigma)) through = transmittance(sigma, length(light->target - si.p));
         }
     }
@@ -237,8 +242,8 @@ inline float walk_survival(uint32_t event) {
 
 enum class MediumEvent { none, scattered, ended };
 
-// A ray inside a scattering medium, up to t_max: scatters on the way, and then `ray` is the one that
-// goes on, or reaches its end.
+// A ray inside a scattering medium, up to t_max: scatters on the way, and then `ray` is the one
+// that goes on, or reaches its end.
 template <EffectSet kTier>
 MediumEvent cross_medium(const RenderScene& rs, const PathSettings& settings,
                          const Sampler& sampler, uint32_t bounce, float t_max, Ray& ray,
@@ -288,6 +293,147 @@ inline float relative_ior(float ior, const Material& around, float wavelength) {
     return other > 0 ? ior / other : ior;
 }
 
+// A ray's hit on a surface: what it sends back, light that falls on it, and where the path goes on,
+// as the new `ray`; false where it ends.
+template <EffectSet kTier, EffectSet kSurface, typename Recorder>
+TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings& settings,
+                                      const Sampler& sampler, uint32_t bounce, const Hit& hit,
+                                      Ray& ray, PathState& path, uint32_t& rays,
+                                      Recorder& recorder) {
+    SurfaceInteraction si = make_surface_interaction<kSurface>(rs.scene(), ray, hit);
+    const Material& material = rs.scene().materials()[si.material];
+    Crossing crossing;
+    if constexpr (kHasVolumes<kTier>) {
+        crossing.after = path.media;
+        if (!path.medium.scatters() && !is_black(path.medium.sigma_t)) {
+            Rgb left = transmittance(path.medium.sigma_t, hit.t);
+            show_value(recorder, PathValue::transmittance, left);
+            path.beta *= left;
+        }
+    }
+    if constexpr (kHasVolumes<kSurface>) {
+        if (material.is_volume()) {
+            crossing = cross_boundary(path.media, rs.scene().materials(), si.material, si.front);
+            if (!crossing.real) {
+                // Light sampling does not see through: what lies behind is left to this path.
+                path.enter(crossing.after, rs.scene().materials());
+                path.specular = true;
+                ++path.false_boundaries;
+                ray = si.spawn(ray.d);
+                return true;
+            }
+        }
+    }
+    if constexpr (kSurface.has(Effect::unlit)) {
+        if (material.unlit) {
+            // Seen as it is by the camera and in mirrors; it does not light other surfaces.
+            if (path.specular_chain)
+                path.Li += path.beta * Rgb(eval_base_color<kSurface>(rs.scene(), material, si));
+            if constexpr (Recorder::kActive) recorder.seen(bounce, path);
+            return false;
+        }
+    }
+    add_emission<kSurface>(rs, settings, ray, material, si, path, recorder);
+    if constexpr (Recorder::kActive) recorder.seen(bounce, path);
+    uint32_t depth = bounce;
+    if constexpr (kHasVolumes<kTier>) depth -= path.false_boundaries + path.medium_events;
+    if (depth == settings.max_depth) return false;
+
+    // The surface: everything below sees it from wo's side.
+    apply_normal_map<kSurface>(rs.scene(), material, si);
+    ShadingParams params = eval_shading_params<kSurface>(rs.scene(), material, si);
+    show_value(recorder, PathValue::base_color, params.base_color);
+    if constexpr (kSurface.has(Effect::dispersion)) {
+        if (material.dispersion > 0 && material.ior > 1 && params.transmission > 0 &&
+            params.metallic < 1 && !params.thin)
+            disperse(sampler, material, params, path);
+    }
+    if constexpr (kHasVolumes<kSurface>) {
+        if (crossing.other != kVacuum)
+            params.ior =
+                relative_ior(params.ior, rs.scene().materials()[crossing.other], path.wavelength);
+    }
+    const float side = si.front ? 1.0f : -1.0f;
+    Frame frame = si.shading;
+    if (!si.front) {
+        frame.n = -frame.n;
+        frame.t = -frame.t;
+    }
+    const bool lit_through = is_lit_through(params);
+    if (lit_through) si.lift = Vec3f(0);
+    const Vec3f n_surface = side * si.n_surface();
+    const Bsdf<kSurface> bsdf(params, frame, n_surface, -ray.d, si.front || params.thin);
+    const Bounce numbers = sampler.bounce(bounce);
+    const Vec3f n_lit = lit_through ? Vec3f(0) : n_surface;
+    if (settings.next_event_estimation && bsdf.has_smooth_lobe() && rs.lights().can_sample()) {
+        add_direct_light<kTier>(rs, sampler, bounce, numbers, si, n_lit, bsdf, crossing, path, rays,
+                                recorder);
+    }
+
+    // Where the path goes on.
+    float u_lobe = 0;
+    if constexpr (kSurface.has(Effect::glossy) || kSurface.has(Effect::transmission)) {
+        u_lobe = numbers.lobe();
+    }
+    std::optional<BsdfSample> scattered = bsdf.sample(u_lobe, numbers.bsdf());
+    if constexpr (Recorder::kTampers) {
+        if (scattered) {
+            recorder.tamper(PathValue::bsdf_weight, scattered->weight);
+            recorder.tamper(PathValue::bsdf_sample_pdf, scattered->pdf);
+        }
+    }
+    if constexpr (Recorder::kActive) recorder.vertex(bounce, si, material, params, scattered, path);
+    if (!scattered) return false;
+    path.beta *= scattered->weight;
+    if (is_black(path.beta)) return false;
+    path.bsdf_pdf = scattered->pdf;
+    path.specular = scattered->delta;
+    path.specular_chain = path.specular_chain && scattered->delta;
+    path.from = si.lit_point();
+    path.n_from = n_lit;
+    if constexpr (kHasVolumes<kSurface>) {
+        path.eta_scale *= scattered->eta * scattered->eta;
+        if (scattered->transmitted && !params.thin)
+            path.enter(crossing.after, rs.scene().materials());
+    }
+
+    if (settings.russian_roulette && bounce >= kRouletteStart) {
+        if (!survives(survival(path), numbers.roulette(), path)) return false;
+    }
+    ray = si.spawn(scattered->wi);
+    return true;
+}
+
+// The same, one function for each surface tier that a kernel has besides its own.
+template <EffectSet kTier, EffectSet kSurface, typename Recorder>
+[[gnu::noinline]] bool meet_surface_apart(const RenderScene& rs, const PathSettings& settings,
+                                          const Sampler& sampler, uint32_t bounce, const Hit& hit,
+                                          Ray& ray, PathState& path, uint32_t& rays,
+                                          Recorder& recorder) {
+    return meet_surface<kTier, kSurface>(rs, settings, sampler, bounce, hit, ray, path, rays,
+                                         recorder);
+}
+
+// Shades with the code of the surface's tier, looked for from kFirst on.
+template <EffectSet kTier, std::size_t kFirst, typename Recorder>
+TALBOT_FORCE_INLINE bool meet_surface_of_tier(const RenderScene& rs, const PathSettings& settings,
+                                              const Sampler& sampler, uint32_t bounce,
+                                              const Hit& hit, Ray& ray, PathState& path,
+                                              uint32_t& rays, Recorder& recorder) {
+    constexpr EffectSet kSurface = surface_code(kTier, kFirst);
+    if constexpr (kSurface == kTier) {
+        // Only a kernel that has no other is one with its shading.
+        if constexpr (kFirst == 0)
+            return meet_surface<kTier, kTier>(rs, settings, sampler, bounce, hit, ray, path, rays,
+                                              recorder);
+    } else if (rs.surface_tier(hit.id) != kFirst) {
+        return meet_surface_of_tier<kTier, kFirst + 1>(rs, settings, sampler, bounce, hit, ray,
+                                                       path, rays, recorder);
+    }
+    return meet_surface_apart<kTier, kSurface>(rs, settings, sampler, bounce, hit, ray, path, rays,
+                                               recorder);
+}
+
 template <EffectSet kTier, typename Recorder>
 PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const PathSettings& settings,
                       uint32_t x, uint32_t y, uint64_t sample_index, Recorder& recorder) {
@@ -322,106 +468,15 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
             break;
         }
         result.covered = true;
-        SurfaceInteraction si = make_surface_interaction<kTier>(rs.scene(), ray, hit);
-        const Material& material = rs.scene().materials()[si.material];
-        Crossing crossing;
-        if constexpr (kHasVolumes<kTier>) {
-            crossing.after = path.media;
-            if (!path.medium.scatters() && !is_black(path.medium.sigma_t)) {
-                Rgb left = transmittance(path.medium.sigma_t, hit.t);
-                show_value(recorder, PathValue::transmittance, left);
-                path.beta *= left;
-            }
-            if (material.is_volume()) {
-                crossing = cross_boundary(path.media, rs.scene().materials(), si.material, si.front);
-                if (!crossing.real) {
-                    // Light sampling does not see through: what lies behind is left to this path.
-                    path.enter(crossing.after, rs.scene().materials());
-                    path.specular = true;
-                    ++path.false_boundaries;
-                    ray = si.spawn(ray.d);
-                    continue;
-                }
-            }
+        bool goes_on = false;
+        if constexpr (Recorder::kActive || Recorder::kTampers) {
+            goes_on = meet_surface<kTier, kTier>(rs, settings, sampler, bounce, hit, ray, path,
+                                                 result.rays, recorder);
+        } else {
+            goes_on = meet_surface_of_tier<kTier, 0>(rs, settings, sampler, bounce, hit, ray, path,
+                                                     result.rays, recorder);
         }
-        if constexpr (kTier.has(Effect::unlit)) {
-            if (material.unlit) {
-                // Seen as it is by the camera and in mirrors; it does not light other surfaces.
-                if (path.specular_chain)
-                    path.Li += path.beta * Rgb(eval_base_color<kTier>(rs.scene(), material, si));
-                if constexpr (Recorder::kActive) recorder.seen(bounce, path);
-                break;
-            }
-        }
-        add_emission<kTier>(rs, settings, ray, material, si, path, recorder);
-        if constexpr (Recorder::kActive) recorder.seen(bounce, path);
-        uint32_t depth = bounce;
-        if constexpr (kHasVolumes<kTier>) depth -= path.false_boundaries + path.medium_events;
-        if (depth == settings.max_depth) break;
-
-        // The surface: everything below sees it from wo's side.
-        apply_normal_map<kTier>(rs.scene(), material, si);
-        ShadingParams params = eval_shading_params<kTier>(rs.scene(), material, si);
-        show_value(recorder, PathValue::base_color, params.base_color);
-        if constexpr (kTier.has(Effect::dispersion)) {
-            if (material.dispersion > 0 && material.ior > 1 && params.transmission > 0 &&
-                params.metallic < 1 && !params.thin)
-                disperse(sampler, material, params, path);
-        }
-        if constexpr (kHasVolumes<kTier>) {
-            if (crossing.other != kVacuum)
-                params.ior = relative_ior(params.ior, rs.scene().materials()[crossing.other],
-                                          path.wavelength);
-        }
-        const float side = si.front ? 1.0f : -1.0f;
-        Frame frame = si.shading;
-        if (!si.front) {
-            frame.n = -frame.n;
-            frame.t = -frame.t;
-        }
-        const bool lit_through = is_lit_through(params);
-        if (lit_through) si.lift = Vec3f(0);
-        const Vec3f n_surface = side * si.n_surface();
-        const Bsdf<kTier> bsdf(params, frame, n_surface, -ray.d, si.front || params.thin);
-        const Bounce numbers = sampler.bounce(bounce);
-        const Vec3f n_lit = lit_through ? Vec3f(0) : n_surface;
-        if (settings.next_event_estimation && bsdf.has_smooth_lobe() && rs.lights().can_sample()) {
-            add_direct_light<kTier>(rs, sampler, bounce, numbers, si, n_lit, bsdf, crossing,
-                                    path, result.rays, recorder);
-        }
-
-        // Where the path goes on.
-        float u_lobe = 0;
-        if constexpr (kTier.has(Effect::glossy) || kTier.has(Effect::transmission)) {
-            u_lobe = numbers.lobe();
-        }
-        std::optional<BsdfSample> scattered = bsdf.sample(u_lobe, numbers.bsdf());
-        if constexpr (Recorder::kTampers) {
-            if (scattered) {
-                recorder.tamper(PathValue::bsdf_weight, scattered->weight);
-                recorder.tamper(PathValue::bsdf_sample_pdf, scattered->pdf);
-            }
-        }
-        if constexpr (Recorder::kActive)
-            recorder.vertex(bounce, si, material, params, scattered, path);
-        if (!scattered) break;
-        path.beta *= scattered->weight;
-        if (is_black(path.beta)) break;
-        path.bsdf_pdf = scattered->pdf;
-        path.specular = scattered->delta;
-        path.specular_chain = path.specular_chain && scattered->delta;
-        path.from = si.lit_point();
-        path.n_from = n_lit;
-        if constexpr (kTier.has(Effect::transmission) || kTier.has(Effect::diffuse_transmission)) {
-            path.eta_scale *= scattered->eta * scattered->eta;
-            if (scattered->transmitted && !params.thin)
-                path.enter(crossing.after, rs.scene().materials());
-        }
-
-        if (settings.russian_roulette && bounce >= kRouletteStart) {
-            if (!survives(survival(path), numbers.roulette(), path)) break;
-        }
-        ray = si.spawn(scattered->wi);
+        if (!goes_on) break;
     }
     result.Li = path.Li;
     return result;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/integrate/tiers.h"
 #include "core/scene/effects_fold.h"
 
 namespace talbot {
@@ -45,7 +46,14 @@ RenderScene::RenderScene(std::shared_ptr<const Scene> scene, const RenderScene* 
     const std::vector<Material>& materials = scene_->materials();
     const bool exact = !forced_on.has(Effect::alpha_mask) && !forced_on.has(Effect::alpha_blend);
     std::vector<CoverageLimits> limits;
-    for (const Material& material : materials) limits.push_back(coverage_limits(material));
+    std::vector<EffectSet> asked;
+    for (const Material& material : materials) {
+        limits.push_back(coverage_limits(material));
+        asked.push_back(material_effects(material) | forced_on);
+    }
+    const auto tier_bits = [](EffectSet effects) {
+        return static_cast<uint8_t>(smallest_surface_tier(effects) << kTierShift);
+    };
     for (const SceneInstance& instance : geometry.instances) {
         const Material& material = materials[instance.material];
         const Mesh& mesh = geometry.meshes[instance.mesh];
@@ -55,7 +63,9 @@ RenderScene::RenderScene(std::shared_ptr<const Scene> scene, const RenderScene* 
         AlphaLookup lookup;
         if (exact && alpha && alpha->slot == material.base_color_texture && mesh.colors.empty())
             lookup = {alpha->triangles.data(), limits[instance.material]};
-        instance_coverage_.push_back(flags);
+        EffectSet effects = asked[instance.material];
+        if (!mesh.colors.empty()) effects.add(Effect::vertex_color);
+        instance_bits_.push_back(flags | tier_bits(effects));
         instance_alpha_.push_back(lookup);
         any_coverage_ |= flags;
     }
@@ -63,7 +73,7 @@ RenderScene::RenderScene(std::shared_ptr<const Scene> scene, const RenderScene* 
         const Material& material = materials[sphere.material];
         uint8_t flags = side_flag(material);
         if (asks_alpha(*scene_, material, nullptr, nullptr, exact)) flags |= kCoverageAlpha;
-        sphere_coverage_.push_back(flags);
+        sphere_bits_.push_back(flags | tier_bits(asked[sphere.material]));
         any_coverage_ |= flags;
     }
 }

@@ -43,10 +43,9 @@ class RenderScene {
     const LightTable& lights() const { return *lights_; }
     const std::shared_ptr<const LightTable>& shared_lights() const { return lights_; }
 
-    uint8_t coverage_flags(PrimitiveId id) const {
-        return id.instance == kSphereInstance ? sphere_coverage_[id.primitive]
-                                              : instance_coverage_[id.instance];
-    }
+    uint8_t coverage_flags(PrimitiveId id) const { return surface_bits(id) & kCoverageBits; }
+    // Index into kSurfaceTiers: the shading that a surface asks for.
+    uint8_t surface_tier(PrimitiveId id) const { return surface_bits(id) >> kTierShift; }
     TriangleCoverage triangle_coverage(PrimitiveId id) const {
         if (id.instance == kSphereInstance) return TriangleCoverage::mixed;
         const AlphaLookup& lookup = instance_alpha_[id.instance];
@@ -60,6 +59,14 @@ class RenderScene {
     uint8_t any_coverage() const { return any_coverage_; }
 
   private:
+    // Coverage flags and, above them, the surface tier.
+    static constexpr uint8_t kTierShift = 2;
+    static constexpr uint8_t kCoverageBits = (1 << kTierShift) - 1;
+    uint8_t surface_bits(PrimitiveId id) const {
+        return id.instance == kSphereInstance ? sphere_bits_[id.primitive]
+                                              : instance_bits_[id.instance];
+    }
+
     struct AlphaLookup {
         const AlphaRange* triangles = nullptr;  // of the scene's tables; null where all are mixed
         CoverageLimits limits;
@@ -68,8 +75,8 @@ class RenderScene {
     std::shared_ptr<const Scene> given_;
     std::shared_ptr<const Scene> scene_;
     std::shared_ptr<const LightTable> lights_;
-    std::vector<uint8_t> instance_coverage_;
-    std::vector<uint8_t> sphere_coverage_;
+    std::vector<uint8_t> instance_bits_;
+    std::vector<uint8_t> sphere_bits_;
     std::vector<AlphaLookup> instance_alpha_;
     uint8_t any_coverage_ = 0;
 };

@@ -20,6 +20,12 @@ inline constexpr float kTriangleError = gamma_bound(7);
 // Vertex normals further than this from a triangle's own, by cosine, describe no surface near it.
 inline constexpr float kMinRoundCosine = 0.7f;
 
+// Along the texture's u, for normal maps and stretched highlights.
+struct Tangent {
+    Vec3f direction{0};  // unit; zero where unknown
+    float sign = 1;
+};
+
 struct SurfaceInteraction {
     Vec3f p{0};
     Vec3f p_error{0};            // per axis, >= 0
@@ -29,11 +35,11 @@ struct SurfaceInteraction {
     Vec3f n_round{0, 0, 1};      // its unit normal on the front side, where lift is not zero
     Frame shading{};             // n on n_geometric's side; any tangent, the same in every tier
     Vec3f coat_normal{0, 0, 1};  // of the clear coat, on n_geometric's side
-    Vec3f tangent{0};            // unit, along the texture's u, for normal maps; zero where unknown
+    Tangent tangent{};           // where the material asks for it, after apply_normal_map()
     Vec2f uv[2]{Vec2f(0), Vec2f(0)};
     Vec4f color{1};  // vertex colour
-    float tangent_sign = 1;
     PrimitiveId id{};
+    Vec2f barycentric{0};  // weights of a triangle's second and third corner
     uint32_t material = 0;
     bool front = true;  // the ray arrived on the front
 
@@ -79,51 +85,58 @@ constexpr bool needs_uv(EffectSet tier) {
     return (tier.bits & kTextureEffects.bits) != 0;
 }
 
-// Normal maps and anisotropy read tangents.
-template <EffectSet kTier>
-inline constexpr bool kUsesTangents =
-    kTier.has(Effect::normal_map) || kTier.has(Effect::clearcoat) || kTier.has(Effect::anisotropy);
-inline bool needs_tangent(const Material& m) {
-    return m.normal_texture.used() || m.clearcoat_normal_texture.used() ||
-           m.anisotropy_strength > 0;
-}
-
 namespace detail {
 
-// The direction in which the texture's u grows over a triangle, on the plane of the shading normal.
-[[gnu::noinline]] inline void fill_tangent(const Mesh& mesh, const SceneInstance& instance, const uint32_t* index,
-                         float b0, float b1, float b2, const Vec3f& e1, const Vec3f& e2,
-                         const Vec3f& n, SurfaceInteraction& si) {
+// The direction in which the texture's u grows over a triangle, on the plane of the shading normal
+// n.
+inline Tangent triangle_tangent(const Scene& scene, PrimitiveId id, float b1, float b2,
+                                const Vec3f& n) {
+    const SceneInstance& instance = scene.geometry().instances[id.instance];
+    const Mesh& mesh = scene.geometry().meshes[instance.mesh];
+    const uint32_t* index = &mesh.indices[std::size_t{3} * id.primitive];
+    Tangent result;
     Vec3f tangent(0);
     if (!mesh.tangents.empty()) {
-        const Vec4f t = b0 * mesh.tangents[index[0]] + b1 * mesh.tangents[index[1]] +
+        const Vec4f t = (1 - b1 - b2) * mesh.tangents[index[0]] + b1 * mesh.tangents[index[1]] +
                         b2 * mesh.tangents[index[2]];
         tangent = Vec3f(t);
-        si.tangent_sign = (t.w < 0) != instance.mirrored ? -1.0f : 1.0f;
+        result.sign = (t.w < 0) != instance.mirrored ? -1.0f : 1.0f;
         if (!instance.identity) tangent = instance.linear * tangent;
     } else if (!mesh.uv[0].empty()) {
         // Without tangents: the direction in which u grows.
+        Vec3f e1 = mesh.positions[index[1]] - mesh.positions[index[0]];
+        Vec3f e2 = mesh.positions[index[2]] - mesh.positions[index[0]];
+        if (!instance.identity) {
+            e1 = instance.linear * e1;
+            e2 = instance.linear * e2;
+        }
         const Vec2f d1 = mesh.uv[0][index[1]] - mesh.uv[0][index[0]];
         const Vec2f d2 = mesh.uv[0][index[2]] - mesh.uv[0][index[0]];
         const float determinant = difference_of_products(d1.x, d2.y, d1.y, d2.x);
         tangent = (d2.y * e1 - d1.y * e2) * (determinant < 0 ? -1.0f : 1.0f);
-        si.tangent_sign = determinant < 0 ? 1.0f : -1.0f;
+        result.sign = determinant < 0 ? 1.0f : -1.0f;
     }
     tangent -= dot(tangent, n) * n;
     const float square = dot(tangent, tangent);
-    if (square > 0 && is_finite(square)) si.tangent = tangent / std::sqrt(square);
+    if (square > 0 && is_finite(square)) result.direction = tangent / std::sqrt(square);
+    return result;
+}
+
+// Equal normals describe no round surface.
+inline bool is_flat_shaded(const Mesh& mesh, const uint32_t* index) {
+    const Vec3f& n0 = mesh.normals[index[0]];
+    return n0 == mesh.normals[index[1]] && n0 == mesh.normals[index[2]];
 }
 
 // The way from p to the round surface: to the mean of p's projections onto the tangent planes at
-// the vertices, where these lie above p as seen from the ray's side. Equal normals give none at all
-// (Hanika 2021, "Hacking the shadow terminator", Ray Tracing Gems II, chapter 4). In the space of
-// the mesh: e1 and e2 are edges, n the triangle's unit normal, side is 1 or -1 with the ray on n's.
+// the vertices, where these lie above p as seen from the ray's side (Hanika 2021, "Hacking the
+// shadow terminator", Ray Tracing Gems II, chapter 4). In the space of the mesh: e1 and e2 are
+// edges, n the triangle's unit normal, side is 1 or -1 with the ray on n's.
 inline Vec3f round_lift(const Mesh& mesh, const uint32_t* index, float b1, float b2,
                         const Vec3f& e1, const Vec3f& e2, const Vec3f& n, float side) {
     const Vec3f& n0 = mesh.normals[index[0]];
     const Vec3f& n1 = mesh.normals[index[1]];
     const Vec3f& n2 = mesh.normals[index[2]];
-    if (n0 == n1 && n0 == n2) return Vec3f(0);
     const float sense = dot(n0, n) < 0 ? -1.0f : 1.0f;
     if (!(sense * dot(n0, n) >= kMinRoundCosine && sense * dot(n1, n) >= kMinRoundCosine &&
           sense * dot(n2, n) >= kMinRoundCosine))
@@ -138,15 +151,14 @@ inline Vec3f round_lift(const Mesh& mesh, const uint32_t* index, float b1, float
 
 template <EffectSet kTier>
 void fill_triangle_attributes(const Mesh& mesh, const SceneInstance& instance,
-                              const uint32_t* index, float b0, float b1, float b2, const Vec3f& e1,
-                              const Vec3f& e2, [[maybe_unused]] bool with_tangent,
+                              const uint32_t* index, float b0, float b1, float b2,
                               SurfaceInteraction& si) {
     if constexpr (needs_uv(kTier)) {
-        for (std::size_t set = 0; set < (kTier.has(Effect::second_uv) ? 2 : 1); ++set) {
-            if (mesh.uv[set].empty()) continue;
-            const std::vector<Vec2f>& uv = mesh.uv[set];
-            si.uv[set] = b0 * uv[index[0]] + b1 * uv[index[1]] + b2 * uv[index[2]];
-        }
+        const auto interpolate = [&](const std::vector<Vec2f>& uv) {
+            return b0 * uv[index[0]] + b1 * uv[index[1]] + b2 * uv[index[2]];
+        };
+        if (!mesh.uv[0].empty()) si.uv[0] = interpolate(mesh.uv[0]);
+        if (kTier.has(Effect::second_uv) && !mesh.uv[1].empty()) si.uv[1] = interpolate(mesh.uv[1]);
     }
     if constexpr (kTier.has(Effect::vertex_color)) {
         if (!mesh.colors.empty()) {
@@ -163,15 +175,13 @@ void fill_triangle_attributes(const Mesh& mesh, const SceneInstance& instance,
         if (dot(n, si.n_geometric) < 0) n = -n;
     }
     si.shading = Frame::from_normal(n);
-    if constexpr (kUsesTangents<kTier>) {
-        if (with_tangent) fill_tangent(mesh, instance, index, b0, b1, b2, e1, e2, n, si);
-    }
 }
 
 // Lifts the point where that takes it further than its own error, and where the ray sees the round
 // surface from outside.
 inline void lift_point(const Mesh& mesh, const SceneInstance& instance, const uint32_t* index,
                        const Hit& hit, const Ray& ray, SurfaceInteraction& si) {
+    if (is_flat_shaded(mesh, index)) return;
     const float side = si.front ? 1.0f : -1.0f;
     const Vec3f e1 = mesh.positions[index[1]] - mesh.positions[index[0]];
     const Vec3f e2 = mesh.positions[index[2]] - mesh.positions[index[0]];
@@ -186,8 +196,7 @@ inline void lift_point(const Mesh& mesh, const SceneInstance& instance, const ui
 }
 
 template <EffectSet kTier>
-void fill_triangle(const Scene& scene, const Ray& ray, const Hit& hit, bool with_tangent,
-                   SurfaceInteraction& si) {
+void fill_triangle(const Scene& scene, const Ray& ray, const Hit& hit, SurfaceInteraction& si) {
     const SceneGeometry& geometry = scene.geometry();
     const SceneInstance& instance = geometry.instances[hit.id.instance];
     const Mesh& mesh = geometry.meshes[instance.mesh];
@@ -198,11 +207,10 @@ void fill_triangle(const Scene& scene, const Ray& ray, const Hit& hit, bool with
     const float b1 = hit.u;
     const float b2 = hit.v;
     const float b0 = 1 - b1 - b2;
-    Vec3f e1 = p1 - p0;
-    Vec3f e2 = p2 - p0;
+    si.barycentric = Vec2f(b1, b2);
     si.p = b0 * p0 + b1 * p1 + b2 * p2;
     si.p_error = kTriangleError * (glm::abs(b0 * p0) + glm::abs(b1 * p1) + glm::abs(b2 * p2));
-    Vec3f n = stable_cross(e1, e2);
+    Vec3f n = stable_cross(p1 - p0, p2 - p0);
     if (kTier.has(Effect::instancing) && !instance.identity) {
         const Mat3f& linear = instance.linear;
         const Vec3f object_error = si.p_error;
@@ -212,13 +220,10 @@ void fill_triangle(const Scene& scene, const Ray& ray, const Hit& hit, bool with
         si.p_error = glm::abs(linear[0]) * object_error.x + glm::abs(linear[1]) * object_error.y +
                      glm::abs(linear[2]) * object_error.z + gamma_bound(2) * glm::abs(si.p);
         n = instance.normal_from_object * n;
-        e1 = linear * e1;
-        e2 = linear * e2;
     }
     si.n_geometric = safe_normalize(n, Vec3f(0, 0, 1));
     si.front = dot(ray.d, si.n_geometric) < 0;
-    fill_triangle_attributes<kTier>(mesh, instance, index, b0, b1, b2, e1, e2, with_tangent,
-                                    si);
+    fill_triangle_attributes<kTier>(mesh, instance, index, b0, b1, b2, si);
     if (!mesh.normals.empty()) lift_point(mesh, instance, index, hit, ray, si);
 }
 
@@ -244,21 +249,20 @@ void fill_sphere(const Scene& scene, const Ray& ray, const Hit& hit, SurfaceInte
     if constexpr (needs_uv(kTier)) {
         si.uv[0] = sphere_uv(si.n_geometric);
         si.uv[1] = si.uv[0];
-        const Vec3f around(si.n_geometric.z, 0, -si.n_geometric.x);
-        const float square = dot(around, around);
-        if (square > 0) {
-            si.tangent = around / std::sqrt(square);
-        }
-        si.tangent_sign = 1;
     }
+}
+
+inline Tangent sphere_tangent(const Vec3f& n_geometric) {
+    const Vec3f around(n_geometric.z, 0, -n_geometric.x);
+    const float square = dot(around, around);
+    return {square > 0 ? around / std::sqrt(square) : Vec3f(0), 1.0f};
 }
 
 }  // namespace detail
 
-// The shading point of a hit; without the tangent where only coverage is asked.
+// The shading point of a hit.
 template <EffectSet kTier>
-SurfaceInteraction make_surface_interaction(const Scene& scene, const Ray& ray, const Hit& hit,
-                                            bool for_coverage = false) {
+SurfaceInteraction make_surface_interaction(const Scene& scene, const Ray& ray, const Hit& hit) {
     SurfaceInteraction si;
     si.id = hit.id;
     if (kTier.has(Effect::analytic_spheres) && hit.is_sphere()) {
@@ -266,12 +270,17 @@ SurfaceInteraction make_surface_interaction(const Scene& scene, const Ray& ray, 
         detail::fill_sphere<kTier>(scene, ray, hit, si);
     } else {
         si.material = scene.geometry().instances[hit.id.instance].material;
-        bool with_tangent = false;
-        if constexpr (kUsesTangents<kTier>)
-            with_tangent = !for_coverage && needs_tangent(scene.materials()[si.material]);
-        detail::fill_triangle<kTier>(scene, ray, hit, with_tangent, si);
+        detail::fill_triangle<kTier>(scene, ray, hit, si);
     }
     return si;
+}
+
+// n: the shading normal of that point, without a normal map.
+inline Tangent tangent_at(const Scene& scene, PrimitiveId id, Vec2f barycentric, Vec3f n_geometric,
+                          Vec3f n) {
+    return id.instance == kSphereInstance
+               ? detail::sphere_tangent(n_geometric)
+               : detail::triangle_tangent(scene, id, barycentric.x, barycentric.y, n);
 }
 
 }  // namespace talbot

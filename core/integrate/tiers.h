@@ -44,11 +44,44 @@ inline constexpr std::array<TierInfo, 5> kTiers{{
 }};
 static_assert(kTiers.back().effects == EffectSet::all(), "the last tier covers every scene");
 
+template <std::size_t n>
+constexpr std::size_t first_cover(const std::array<TierInfo, n>& tiers, EffectSet effects) {
+    std::size_t tier = 0;
+    while (!tiers[tier].effects.covers(effects)) ++tier;
+    return tier;
+}
+
 // Index of the first tier that covers the effects.
 constexpr std::size_t smallest_tier(EffectSet effects) {
-    std::size_t tier = 0;
-    while (!kTiers[tier].effects.covers(effects)) ++tier;
-    return tier;
+    return first_cover(kTiers, effects);
+}
+
+// Effects of materials and meshes, which the shading of one surface reads; the others belong to
+// rays, to volumes and to the scene.
+inline constexpr EffectSet kSurfaceEffects{(kFullTier.bits & ~kOncePerPathEffects.bits) &
+                                           ~(Effect::alpha_mask | Effect::alpha_blend |
+                                             Effect::volume_absorption | Effect::scattering_medium)
+                                                .bits};
+
+// Shading compiled within each kernel for surfaces that ask for less than it has: a surface is
+// shaded by the first that covers it. None goes beyond a kernel that comes before.
+inline constexpr std::array<TierInfo, 7> kSurfaceTiers{{
+    {kGlossyTier & kSurfaceEffects, "glossy"},
+    {kTexturedTier & kSurfaceEffects, "textured"},
+    {kTransmissiveTier & kSurfaceEffects, "transmissive"},
+    {(kTexturedTier & kSurfaceEffects) | Effect::clearcoat, "coated"},
+    {(kTexturedTier & kSurfaceEffects) | Effect::sheen, "sheen"},
+    {(kTexturedTier & kSurfaceEffects) | Effect::anisotropy | Effect::iridescence, "film"},
+    {kFullTier & kSurfaceEffects, "full"},
+}};
+
+constexpr std::size_t smallest_surface_tier(EffectSet effects) {
+    return first_cover(kSurfaceTiers, effects & kSurfaceEffects);
+}
+
+// What shading of a surface tier is compiled with in a kernel.
+constexpr EffectSet surface_code(EffectSet kernel, std::size_t surface_tier) {
+    return kernel & (kSurfaceTiers[surface_tier].effects | EffectSet{~kSurfaceEffects.bits});
 }
 
 }  // namespace talbot

@@ -14,6 +14,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "core/base/deferred.h"
 #include "core/math/frame.h"
 #include "core/math/vec.h"
 #include "core/math/warp.h"
@@ -57,14 +58,15 @@ class Bsdf {
 
   private:
     struct Absent {};
+    // p is the probability of choosing a layer: the rest is there where it is above zero.
     struct Coat {
-        CoatLayer layer;
-        Frame frame;
+        Deferred<CoatLayer> layer;
+        Deferred<Frame> frame;
         bool flat = true;  // the coat's normal is the surface's
-        float p = 0;       // probability of choosing it
+        float p = 0;
     };
     struct Sheen {
-        SheenLayer layer;
+        Deferred<SheenLayer> layer;
         float p = 0;
     };
 
@@ -123,9 +125,10 @@ class Bsdf {
     float p_glass_ = 0;
     bool flat_ = true;
     bool lambert_ = true;
-    // Made in place: they are too large to copy at every hit.
-    std::conditional_t<kGlossy || kGlass, OpaqueLayer<kTier>, Absent> opaque_;
-    std::conditional_t<kGlass, GlassLayer<kTier>, Absent> glass_;
+    // Made in place: they are too large to copy at every hit. Neither is there for a Lambert
+    // surface; opaque_ is where p_glass_ < 1, glass_ where p_glass_ > 0.
+    std::conditional_t<kGlossy || kGlass, Deferred<OpaqueLayer<kTier>>, Absent> opaque_;
+    std::conditional_t<kGlass, Deferred<GlassLayer<kTier>>, Absent> glass_;
     [[no_unique_address]] std::conditional_t<kCoat, Coat, Absent> coat_;
     [[no_unique_address]] std::conditional_t<kSheen, Sheen, Absent> sheen_;
 };
@@ -171,7 +174,7 @@ Bsdf<kTier>::Bsdf(const ShadingParams& params, const Frame& frame, const Vec3f& 
 template <EffectSet kTier>
 void Bsdf<kTier>::make_frames(const ShadingParams& params) {
     if constexpr (kTier.has(Effect::anisotropy)) {
-        if (params.anisotropy > 0)
+        if (params.anisotropy > 0) [[unlikely]]
             frame_ = Frame::from_normal_and_tangent(frame_.n, params.anisotropy_direction);
     }
     if (!flat_) {
@@ -196,9 +199,11 @@ float Bsdf<kTier>::make_coat(const ShadingParams& params) {
         if (!(dot(n, n_geometric_) > 0)) n = n_geometric_;
         coat_.flat = n == n_geometric_;
         if (!coat_.flat) n = bend_shading_normal(n, n_geometric_, wo_);
-        coat_.frame = Frame::from_normal(n);
-        coat_.layer = CoatLayer(params.clearcoat, params.clearcoat_alpha, local_wo(coat_.frame));
-        return 1 - coat_.layer.albedo();
+        const Frame& frame = coat_.frame.make(Frame::from_normal(n));
+        const CoatLayer& layer =
+            coat_.layer.make(params.clearcoat, params.clearcoat_alpha, local_wo(frame));
+        coat_.p = layer.albedo();
+        return 1 - layer.albedo();
     }
     return 1;
 }
@@ -207,8 +212,10 @@ float Bsdf<kTier>::make_coat(const ShadingParams& params) {
 template <EffectSet kTier>
 float Bsdf<kTier>::make_sheen(const ShadingParams& params, float weight) {
     if constexpr (kSheen) {
-        sheen_.layer = SheenLayer(params.sheen_color, params.sheen_alpha, weight, wo_local_);
-        return sheen_.layer.below();
+        const SheenLayer& layer =
+            sheen_.layer.make(params.sheen_color, params.sheen_alpha, weight, wo_local_);
+        sheen_.p = layer.albedo();
+        return layer.below();
     }
     return 1;
 }
@@ -224,18 +231,18 @@ void Bsdf<kTier>::make_base(const ShadingParams& params, bool outside, float wei
         if constexpr (kGlass) {
             if (transmission > 0) {
                 const bool thin = kThin && params.thin;
-                std::construct_at(&glass_, params, thin, specular, specular_color, outside,
-                                  transmission * weight, wo_local_);
+                glass_.make(params, thin, specular, specular_color, outside, transmission * weight,
+                            wo_local_);
                 p_glass_ = 1;
-                albedo = glass_.albedo();
+                albedo = glass_->albedo();
             }
         }
         if (transmission < 1) {
             const float share = 1 - transmission;
-            std::construct_at(&opaque_, params, metallic / share, kGlossy ? specular : 0.0f,
-                              specular_color, share * weight, wo_local_);
-            if (!flat_) tilt_scale_ = opaque_.diffuse_tilt_scale(dot(frame_.n, n_geometric_));
-            const float sum = albedo + opaque_.albedo();
+            opaque_.make(params, metallic / share, kGlossy ? specular : 0.0f, specular_color,
+                         share * weight, wo_local_);
+            if (!flat_) tilt_scale_ = opaque_->diffuse_tilt_scale(dot(frame_.n, n_geometric_));
+            const float sum = albedo + opaque_->albedo();
             if constexpr (kGlass) p_glass_ = sum > 0 ? albedo / sum : 0.0f;
             albedo = sum;
         }
@@ -243,24 +250,26 @@ void Bsdf<kTier>::make_base(const ShadingParams& params, bool outside, float wei
     }
 }
 
-// Coat and sheen are chosen in proportion to what they return.
+// Coat and sheen are chosen in proportion to what they return, which is in their p so far.
 template <EffectSet kTier>
-void Bsdf<kTier>::share_probability(float base_albedo) {
-    float sum = base_albedo;
-    if constexpr (kCoat) sum += coat_.layer.albedo();
-    if constexpr (kSheen) sum += sheen_.layer.albedo();
-    if (!(sum > base_albedo)) return;
-    if constexpr (kCoat) coat_.p = coat_.layer.albedo() / sum;
-    if constexpr (kSheen) sheen_.p = sheen_.layer.albedo() / sum;
+void Bsdf<kTier>::share_probability([[maybe_unused]] float base_albedo) {
+    if constexpr (kCoat || kSheen) {
+        float sum = base_albedo;
+        if constexpr (kCoat) sum += coat_.p;
+        if constexpr (kSheen) sum += sheen_.p;
+        const bool shared = sum > base_albedo;
+        if constexpr (kCoat) coat_.p = shared ? coat_.p / sum : 0.0f;
+        if constexpr (kSheen) sheen_.p = shared ? sheen_.p / sum : 0.0f;
+    }
 }
 
 template <EffectSet kTier>
 bool Bsdf<kTier>::has_smooth_lobe() const {
     if (is_lambert()) return true;
     bool smooth = false;
-    if constexpr (kGlossy || kGlass) smooth = p_glass_ < 1 && opaque_.has_smooth_lobe();
-    if constexpr (kGlass) smooth = smooth || (p_glass_ > 0 && !glass_.is_delta());
-    if constexpr (kCoat) smooth = smooth || (coat_.p > 0 && !coat_.layer.is_mirror());
+    if constexpr (kGlossy || kGlass) smooth = p_glass_ < 1 && opaque_->has_smooth_lobe();
+    if constexpr (kGlass) smooth = smooth || (p_glass_ > 0 && !glass_->is_delta());
+    if constexpr (kCoat) smooth = smooth || (coat_.p > 0 && !coat_.layer->is_mirror());
     if constexpr (kSheen) smooth = smooth || sheen_.p > 0;
     return smooth;
 }
@@ -318,14 +327,14 @@ template <EffectSet kTier>
 void Bsdf<kTier>::add_specular(const Vec3f& wi_local, BsdfEval& sum) const {
     if constexpr (kGlossy) {
         if (p_glass_ < 1 && wi_local.z > 0) {
-            const LobeValue v = opaque_.eval_specular(wi_local);
+            const LobeValue v = opaque_->eval_specular(wi_local);
             sum.f_cos += v.f_cos;
-            sum.pdf += p_base() * (1 - p_glass_) * opaque_.specular_probability() * v.pdf;
+            sum.pdf += p_base() * (1 - p_glass_) * opaque_->specular_probability() * v.pdf;
         }
     }
     if constexpr (kGlass) {
         if (p_glass_ > 0 && wi_local.z != 0) {
-            const LobeValue v = glass_.eval(wi_local);
+            const LobeValue v = glass_->eval(wi_local);
             sum.f_cos += v.f_cos;
             sum.pdf += p_base() * p_glass_ * v.pdf;
         }
@@ -336,9 +345,9 @@ template <EffectSet kTier>
 void Bsdf<kTier>::add_diffuse(float cos_i, bool through, BsdfEval& sum) const {
     if constexpr (kGlossy || kGlass) {
         if (!(p_glass_ < 1)) return;
-        const LobeValue v = opaque_.eval_diffuse(std::min(cos_i, 1.0f), through);
+        const LobeValue v = opaque_->eval_diffuse(std::min(cos_i, 1.0f), through);
         sum.f_cos += flat_ ? v.f_cos : tilt_scale_ * v.f_cos;
-        sum.pdf += p_base() * (1 - p_glass_) * (1 - opaque_.specular_probability()) * v.pdf;
+        sum.pdf += p_base() * (1 - p_glass_) * (1 - opaque_->specular_probability()) * v.pdf;
     }
 }
 
@@ -347,7 +356,7 @@ void Bsdf<kTier>::add_sheen([[maybe_unused]] const Vec3f& wi_local,
                             [[maybe_unused]] BsdfEval& sum) const {
     if constexpr (kSheen) {
         if (!(sheen_.p > 0) || !(wi_local.z > 0)) return;
-        const LobeValue v = sheen_.layer.eval(wi_local);
+        const LobeValue v = sheen_.layer->eval(wi_local);
         sum.f_cos += v.f_cos;
         sum.pdf += sheen_.p * v.pdf;
     }
@@ -359,9 +368,9 @@ void Bsdf<kTier>::add_coat([[maybe_unused]] const Vec3f& wi, [[maybe_unused]] Bs
     if constexpr (kCoat) {
         if (!(coat_.p > 0)) return;
         const auto add = [&](const Vec3f& w) {
-            const Vec3f local = coat_.frame.to_local(w);
+            const Vec3f local = coat_.frame->to_local(w);
             if (!(local.z > 0)) return;
-            const LobeValue v = coat_.layer.eval(local);
+            const LobeValue v = coat_.layer->eval(local);
             sum.f_cos += v.f_cos;
             sum.pdf += coat_.p * v.pdf;
         };

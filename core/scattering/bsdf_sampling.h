@@ -33,7 +33,7 @@ std::optional<BsdfSample> Bsdf<kTier>::sample([[maybe_unused]] float u_lobe, con
         if (p_glass_ > 0) rest(p_glass_);
     }
     if constexpr (kGlossy || kGlass) {
-        if (u_lobe < opaque_.specular_probability()) return sample_opaque_specular(u);
+        if (u_lobe < opaque_->specular_probability()) return sample_opaque_specular(u);
     }
     return sample_base_diffuse(u_lobe, u);
 }
@@ -48,9 +48,9 @@ template <EffectSet kTier>
 std::optional<BsdfSample> Bsdf<kTier>::sample_base_diffuse([[maybe_unused]] float u_lobe,
                                                            const Vec2f& u) const {
     if constexpr (kThrough && (kGlossy || kGlass)) {
-        const float diffuse = 1 - opaque_.specular_probability();
-        const float through = opaque_.through_probability();
-        if (through > 0 && u_lobe - opaque_.specular_probability() < through * diffuse) {
+        const float diffuse = 1 - opaque_->specular_probability();
+        const float through = opaque_->through_probability();
+        if (through > 0 && u_lobe - opaque_->specular_probability() < through * diffuse) {
             Vec3f wi = sample_cosine_hemisphere(u);
             wi.z = -wi.z;
             return smooth_sample(frame_.to_world(wi), true);
@@ -62,13 +62,13 @@ std::optional<BsdfSample> Bsdf<kTier>::sample_base_diffuse([[maybe_unused]] floa
 template <EffectSet kTier>
 std::optional<BsdfSample> Bsdf<kTier>::sample_opaque_specular(const Vec2f& u) const {
     if constexpr (kGlossy || kGlass) {
-        if (opaque_.is_mirror()) {
+        if (opaque_->is_mirror()) {
             const Vec3f wi(-wo_local_.x, -wo_local_.y, wo_local_.z);
             return delta_sample(on_side(specular_frame().to_world(wi), false),
-                                opaque_.mirror_reflectance(),
-                                p_base() * (1 - p_glass_) * opaque_.specular_probability());
+                                opaque_->mirror_reflectance(),
+                                p_base() * (1 - p_glass_) * opaque_->specular_probability());
         }
-        const Vec3f wi = opaque_.sample_specular(u);
+        const Vec3f wi = opaque_->sample_specular(u);
         if (wi.z > 0) return smooth_sample(on_side(specular_frame().to_world(wi), false), false);
     }
     return std::nullopt;
@@ -77,12 +77,12 @@ std::optional<BsdfSample> Bsdf<kTier>::sample_opaque_specular(const Vec2f& u) co
 template <EffectSet kTier>
 std::optional<BsdfSample> Bsdf<kTier>::sample_coat(const Vec2f& u) const {
     if constexpr (kCoat) {
-        const Vec3f local = coat_.layer.sample(u);
+        const Vec3f local = coat_.layer->sample(u);
         if (!(local.z > 0)) return std::nullopt;
-        Vec3f wi = coat_.frame.to_world(local);
+        Vec3f wi = coat_.frame->to_world(local);
         if (!coat_.flat && dot(wi, n_geometric_) < 0) wi = fold_at_surface(wi, n_geometric_);
-        if (coat_.layer.is_mirror())
-            return delta_sample(wi, Rgb(coat_.layer.mirror_reflectance()), coat_.p);
+        if (coat_.layer->is_mirror())
+            return delta_sample(wi, Rgb(coat_.layer->mirror_reflectance()), coat_.p);
         return smooth_sample(wi, false);
     }
     return std::nullopt;
@@ -92,28 +92,28 @@ template <EffectSet kTier>
 std::optional<BsdfSample> Bsdf<kTier>::sample_glass(float u_lobe, const Vec2f& u) const {
     if constexpr (kGlass) {
         std::optional<BsdfSample> s;
-        if (glass_.is_delta()) {
-            const auto split = glass_.split(wo_local_.z);
+        if (glass_->is_delta()) {
+            const auto split = glass_->split(wo_local_.z);
             if (u_lobe < split.p_reflect) {
                 const Vec3f wi(-wo_local_.x, -wo_local_.y, wo_local_.z);
                 return delta_sample(on_side(specular_frame().to_world(wi), false),
-                                    glass_.weight() * split.reflected,
+                                    glass_->weight() * split.reflected,
                                     p_base() * p_glass_ * split.p_reflect);
             }
             const Vec3f wi =
-                glass_.is_straight()
+                glass_->is_straight()
                     ? -wo_
-                    : on_side(specular_frame().to_world(glass_.refracted(split.cos_t)), true);
-            s = delta_sample(wi, glass_.weight() * glass_.transmitted_scale() * split.transmitted,
+                    : on_side(specular_frame().to_world(glass_->refracted(split.cos_t)), true);
+            s = delta_sample(wi, glass_->weight() * glass_->transmitted_scale() * split.transmitted,
                              p_base() * p_glass_ * (1 - split.p_reflect));
             if (s) s->transmitted = true;
         } else {
-            const Vec3f wi = glass_.sample(u_lobe, u);
+            const Vec3f wi = glass_->sample(u_lobe, u);
             if (wi.z == 0) return s;
             const bool transmitted = wi.z < 0;
             s = smooth_sample(on_side(specular_frame().to_world(wi), transmitted), transmitted);
         }
-        if (s && s->transmitted) s->eta = glass_.is_straight() ? 1.0f : glass_.eta();
+        if (s && s->transmitted) s->eta = glass_->is_straight() ? 1.0f : glass_->eta();
         return s;
     }
     return std::nullopt;

@@ -51,13 +51,14 @@ class GlassLayer {
         if constexpr (kAnisotropic) anisotropic = m.anisotropy > 0;
         if constexpr (kFilm) {
             has_film_ = m.iridescence > 0 && outside;
-            if (has_film_) make_film(m, specular, specular_color);
+            if (has_film_) [[unlikely]]
+                make_film(m, specular, specular_color);
         }
         delta_ = (m.alpha < kDeltaAlpha && !anisotropic) ||
                  (is_index_matched(eta_) && !full_fresnel_ && !has_film());
         if (delta_) return;
         // What a single scattering loses leaves in proportion to what it does not.
-        if (anisotropic) {
+        if (anisotropic) [[unlikely]] {
             const float across = std::max(m.alpha, kDeltaAlpha);
             const float along = anisotropic_alpha(across, m.anisotropy);
             ggx_ = Ggx(along, across);
@@ -100,7 +101,8 @@ class GlassLayer {
             s.reflected = normal_ + t * (Rgb(grazing_) - normal_);
         }
         if constexpr (kFilm) {
-            if (has_film_) s.reflected += iridescence_ * (film_.at(cos_d) - s.reflected);
+            if (has_film_) [[unlikely]]
+                s.reflected += iridescence_ * (film_.at(cos_d) - s.reflected);
         }
         s.transmitted = std::max(1 - max_component(s.reflected), 0.0f) * tint_;
         const float reflected = mean_component(s.reflected);

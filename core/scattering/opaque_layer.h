@@ -9,13 +9,14 @@
 // Conty 2017), reciprocal and exact in energy. Part of the diffuse light may leave on the other
 // side (KHR_materials_diffuse_transmission).
 //
-// Tiers with the extensions also know anisotropy and thin films; of a film's coloured reflectance the
-// base loses the largest channel, so that the other channels are darker by the difference.
+// Tiers with the extensions also know anisotropy and thin films; of a film's coloured reflectance
+// the base loses the largest channel, so that the other channels are darker by the difference.
 #pragma once
 
 #include <algorithm>
 #include <type_traits>
 
+#include "core/base/deferred.h"
 #include "core/scattering/albedo_tables.h"
 #include "core/scattering/extension_tables.h"
 #include "core/scattering/fresnel.h"
@@ -31,11 +32,11 @@ inline constexpr float kGrazingMean = 1.0f / 7;
 
 // What the layer carries besides for each extension that its tier has.
 struct OpaqueAnisotropy {
-    AnisotropicAlbedo albedo;
+    Deferred<AnisotropicAlbedo> albedo;  // where active
     bool active = false;
 };
 struct OpaqueFilm {
-    FilmNodes specular;  // reflectance, of dielectric and metal, compensated and weighted
+    FilmNodes specular;    // reflectance, of dielectric and metal, compensated and weighted
     FilmNodes dielectric;  // x: of the dielectric's largest channel
     float alpha = 1;       // isotropic stand-in
     bool active = false;
@@ -72,7 +73,7 @@ class OpaqueLayer {
 
         Rgb specular_albedo;
         float s_o = 0;  // S(mu_o)
-        if (has_film()) {
+        if (has_film()) [[unlikely]] {
             specular_albedo = make_film(m, metallic, dielectric, specular, weight, s_o);
         } else if (delta_) {
             const Rgb normal = not_metal * dielectric + metallic * m.base_color;
@@ -136,7 +137,8 @@ class OpaqueLayer {
         if (delta_) return {};
         const GgxReflection r = ggx_.eval_reflection(wo_, slant_o_, wi);
         if constexpr (kFilm) {
-            if (film_.active) return {r.value_cos * film_.specular.at(r.cos_d), r.pdf};
+            if (film_.active) [[unlikely]]
+                return {r.value_cos * film_.specular.at(r.cos_d), r.pdf};
         }
         const Rgb fresnel = normal_ + schlick_weight(r.cos_d) * (grazing_ - normal_);
         return {r.value_cos * fresnel, r.pdf};
@@ -175,7 +177,7 @@ class OpaqueLayer {
 
     void make_distribution(const ShadingParams& m) {
         if constexpr (kAnisotropic) {
-            if (anisotropy_.active) {
+            if (anisotropy_.active) [[unlikely]] {
                 const float across = std::max(m.alpha, kDeltaAlpha);
                 const float along = anisotropic_alpha(across, m.anisotropy);
                 ggx_ = Ggx(along, across);
@@ -183,7 +185,7 @@ class OpaqueLayer {
                 const float round = std::sqrt(along * across);
                 if constexpr (kFilm) film_.alpha = round;
                 row_ = AlbedoRow(round);
-                anisotropy_.albedo = AnisotropicAlbedo(across, m.anisotropy);
+                anisotropy_.albedo.make(across, m.anisotropy);
                 return;
             }
         }
@@ -194,8 +196,8 @@ class OpaqueLayer {
     }
 
     // Both reflectances under the film; returns the specular albedo.
-    [[gnu::noinline]] Rgb make_film(const ShadingParams& m, float metallic, const Rgb& dielectric, float specular,
-                  float weight, float& s_o) {
+    [[gnu::noinline]] Rgb make_film(const ShadingParams& m, float metallic, const Rgb& dielectric,
+                                    float specular, float weight, float& s_o) {
         Rgb albedo(0);
         if constexpr (kFilm) {
             FilmNodes mixed;
@@ -220,8 +222,8 @@ class OpaqueLayer {
             }
             for (std::size_t k = 0; k < mixed.f.size(); ++k)
                 film_.specular.f[k] = scale * mixed.f[k];
-            albedo = delta_ ? film_.specular.at(wo_.z)
-                            : film_albedo(film_.specular, film_.alpha, wo_.z);
+            albedo =
+                delta_ ? film_.specular.at(wo_.z) : film_albedo(film_.specular, film_.alpha, wo_.z);
             normal_ = albedo;
             s_o = dielectric_albedo(wo_.z);
             mean_s_ = hemisphere_mean([&](float mu) { return dielectric_albedo(mu); });
@@ -257,7 +259,8 @@ class OpaqueLayer {
     // Albedo of the distribution for a direction in the local frame.
     SchlickAlbedo directional_albedo(const Vec3f& w) const {
         if constexpr (kAnisotropic) {
-            if (anisotropy_.active) return anisotropy_.albedo(w);
+            if (anisotropy_.active) [[unlikely]]
+                return (*anisotropy_.albedo)(w);
         }
         return row_(w.z);
     }
@@ -265,7 +268,7 @@ class OpaqueLayer {
     // S: the dielectric specular lobe's directional albedo in its largest channel.
     float dielectric_albedo(float mu) const {
         if constexpr (kFilm) {
-            if (film_.active) {
+            if (film_.active) [[unlikely]] {
                 const float normal = film_.dielectric.at(mu).x;
                 if (delta_) return normal;
                 const float single = film_albedo(film_.dielectric, film_.alpha, mu).x;
@@ -273,7 +276,8 @@ class OpaqueLayer {
             }
         }
         if constexpr (kAnisotropic) {
-            if (anisotropy_.active) return compensated(anisotropy_.albedo.around(mu));
+            if (anisotropy_.active) [[unlikely]]
+                return compensated(anisotropy_.albedo->around(mu));
         }
         if (delta_) return f0_ + (f90_ - f0_) * schlick_weight(mu);
         return compensated(row_(mu));

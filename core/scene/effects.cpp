@@ -51,7 +51,8 @@ void note_layers(EffectReport& report, const Material& m, const std::string& who
         report.note(Effect::anisotropy, who);
         note_slot(report, Effect::anisotropy, m.anisotropy_texture, who);
     }
-    const float thickest = std::max(m.iridescence_thickness_minimum, m.iridescence_thickness_maximum);
+    const float thickest =
+        std::max(m.iridescence_thickness_minimum, m.iridescence_thickness_maximum);
     if (m.iridescence_factor > 0 && thickest > 0 && has_lobes(m)) {
         report.note(Effect::iridescence, who);
         note_slot(report, Effect::iridescence, m.iridescence_texture, who);
@@ -148,8 +149,9 @@ void note_environment(EffectReport& report, const Environment& environment) {
                         [](const Rgb& texel) { return is_black(texel); }))
             return;
         report.note(Effect::environment_image, "image '" + image->file + "'");
-    } else if (environment.gradient ? is_black(environment.gradient->from + environment.gradient->to)
-                                    : is_black(environment.color)) {
+    } else if (environment.gradient
+                   ? is_black(environment.gradient->from + environment.gradient->to)
+                   : is_black(environment.color)) {
         return;
     }
     report.note(Effect::environment, "the scene's environment");
@@ -162,6 +164,12 @@ std::optional<Effect> effect_from_name(std::string_view name) {
         if (info.name == name) return info.effect;
     }
     return std::nullopt;
+}
+
+EffectSet material_effects(const Material& material) {
+    EffectReport report;
+    note_material(report, material, {});
+    return report.active;
 }
 
 EffectReport analyse_effects(const Scene& given, const Camera& camera) {
@@ -185,7 +193,8 @@ EffectReport analyse_effects(const Scene& given, const Camera& camera) {
         report.note(Effect::punctual_lights, "light '" + light.name + "'");
         ++sources;
     }
-    if (sources > 1) report.note(Effect::many_lights, std::to_string(sources) + " sources of light");
+    if (sources > 1)
+        report.note(Effect::many_lights, std::to_string(sources) + " sources of light");
     note_environment(report, given.environment());
     if (camera.kind == CameraKind::perspective && camera.aperture_radius > 0 &&
         camera.focus_distance > 0) {

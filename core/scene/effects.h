@@ -124,8 +124,12 @@ struct EffectReport {
 
 class Scene;
 struct Camera;
+struct Material;
 
 // The effects that can change a pixel of this scene seen by this camera, with their witnesses.
 EffectReport analyse_effects(const Scene& scene, const Camera& camera);
+
+// What a material by itself, folded (effects_fold.h), asks of the shading of a surface.
+EffectSet material_effects(const Material& material);
 
 }  // namespace talbot

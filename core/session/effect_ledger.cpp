@@ -32,8 +32,16 @@ class Contender {
     void clear() { film_.clear(); }
     // Brings a tile to `samples` a pixel and returns the seconds of this thread.
     double render(uint32_t x, uint32_t y, uint64_t samples, const std::stop_token& stop) {
-        TileJob job{view_.scene.get(), &camera_, &path_, &film_, first_sample_, samples, x, y,
-                    std::min(x + kTile, film_.width()), std::min(y + kTile, film_.height())};
+        TileJob job{view_.scene.get(),
+                    &camera_,
+                    &path_,
+                    &film_,
+                    first_sample_,
+                    samples,
+                    x,
+                    y,
+                    std::min(x + kTile, film_.width()),
+                    std::min(y + kTile, film_.height())};
         TileCounts counts;
         const double start = thread_seconds();
         tile_kernel(view_.tier)(job, stop, counts);
@@ -47,8 +55,6 @@ class Contender {
     const Film& film() const { return film_; }
     const PreparedView& view() const { return view_; }
 
-    // Sums of the slices' least times: over all rounds, and over every other one.
-    std::array<double, 3> seconds{};
     Film half;
 
   private:
@@ -59,37 +65,73 @@ class Contender {
     Film film_;
 };
 
-void time_in_turn(std::vector<std::unique_ptr<Contender>>& contenders, const PricePolicy& policy,
-                  const std::stop_token& stop, const std::function<void(float)>& progress) {
-    const Film& film = contenders.front()->film();
-    const uint32_t columns = (film.width() + kTile - 1) / kTile;
-    const uint32_t tiles = columns * ((film.height() + kTile - 1) / kTile);
-    using Least = std::array<double, 3>;
-    std::vector<std::vector<Least>> least(
-        contenders.size(), std::vector<Least>(tiles, Least{HUGE_VAL, HUGE_VAL, HUGE_VAL}));
-    for (int round = 0; round < policy.rounds; ++round) {
-        for (const auto& c : contenders) c->clear();
-        for (uint32_t tile = 0; tile < tiles; ++tile) {
-            for (std::size_t k = 0; k < contenders.size(); ++k) {
+double share_percent(double with, double without) {
+    return with > 0 ? 100 * (with - without) / with : 0;
+}
+
+// Which two contenders an effect's price compares.
+struct Pair {
+    Effect effect;
+    std::size_t with, without;
+};
+
+// Least times of slices that take turns, on this thread.
+class Race {
+  public:
+    Race(std::vector<std::unique_ptr<Contender>>& contenders, const PricePolicy& policy)
+        : contenders_(contenders), policy_(policy) {
+        const Film& film = contenders.front()->film();
+        columns_ = (film.width() + kTile - 1) / kTile;
+        tiles_ = columns_ * ((film.height() + kTile - 1) / kTile);
+        least_.assign(contenders.size(),
+                      std::vector<Least>(tiles_, Least{HUGE_VAL, HUGE_VAL, HUGE_VAL}));
+    }
+
+    void run_round(const std::stop_token& stop) {
+        for (const auto& c : contenders_) c->clear();
+        for (uint32_t tile = 0; tile < tiles_; ++tile) {
+            for (std::size_t k = 0; k < contenders_.size(); ++k) {
                 // Nobody always follows the same one.
-                const std::size_t i = (k + static_cast<std::size_t>(round)) % contenders.size();
-                const double seconds =
-                    contenders[i]->render(tile % columns * kTile, tile / columns * kTile,
-                                          policy.slice_samples, stop);
+                const std::size_t i = (k + rounds_) % contenders_.size();
+                const double seconds = contenders_[i]->render(
+                    tile % columns_ * kTile, tile / columns_ * kTile, policy_.slice_samples, stop);
                 if (stop.stop_requested()) return;
-                for (const std::size_t set : {std::size_t{0}, std::size_t{1} + round % 2})
-                    least[i][tile][set] = std::min(least[i][tile][set], seconds);
+                for (const std::size_t set : {std::size_t{0}, 1 + rounds_ % 2})
+                    least_[i][tile][set] = std::min(least_[i][tile][set], seconds);
             }
         }
-        if (progress)
-            progress(0.5f + 0.5f * static_cast<float>(round + 1) / static_cast<float>(policy.rounds));
+        ++rounds_;
     }
-    for (std::size_t i = 0; i < contenders.size(); ++i) {
-        for (const Least& slice : least[i]) {
-            for (std::size_t set = 0; set < 3; ++set) contenders[i]->seconds[set] += slice[set];
-        }
+
+    // Of the time: by all rounds, and half the distance of the figures by every other one.
+    double share(const Pair& pair) const { return share(pair, 0); }
+    double spread(const Pair& pair) const {
+        return 0.5 * std::abs(share(pair, 1) - share(pair, 2));
     }
-}
+    bool resolves(const std::vector<Pair>& pairs) const {
+        return std::all_of(pairs.begin(), pairs.end(), [&](const Pair& pair) {
+            return spread(pair) <= policy_.resolution * std::max(std::abs(share(pair)), 1.0);
+        });
+    }
+
+  private:
+    using Least = std::array<double, 3>;  // over all rounds, and over every other one
+
+    double share(const Pair& pair, std::size_t set) const {
+        return share_percent(seconds(pair.with, set), seconds(pair.without, set));
+    }
+    double seconds(std::size_t contender, std::size_t set) const {
+        double sum = 0;
+        for (const Least& slice : least_[contender]) sum += slice[set];
+        return sum;
+    }
+
+    std::vector<std::unique_ptr<Contender>>& contenders_;
+    const PricePolicy& policy_;
+    uint32_t columns_ = 0, tiles_ = 0;
+    std::size_t rounds_ = 0;
+    std::vector<std::vector<Least>> least_;
+};
 
 double mean_of(const FilmPixel& p, int c) {
     return p.samples == 0 ? 0 : p.sum[c].value() / static_cast<double>(p.samples);
@@ -111,13 +153,9 @@ double half_distance(const Contender& c, const Film& picture) {
     return sum;
 }
 
-double share_percent(double with, double without) {
-    return with > 0 ? 100 * (with - without) / with : 0;
-}
-
 RenderSettings small_image(RenderSettings settings, uint32_t pixels) {
-    const double scale = std::min(
-        1.0, std::sqrt(pixels / (static_cast<double>(settings.width) * settings.height)));
+    const double scale =
+        std::min(1.0, std::sqrt(pixels / (static_cast<double>(settings.width) * settings.height)));
     const auto scaled = [&](uint32_t side) {
         return std::max(1u, static_cast<uint32_t>(std::lround(side * scale)));
     };
@@ -152,18 +190,15 @@ std::string_view effect_state_name(EffectState state) {
     return "auto";
 }
 
-std::optional<std::vector<EffectPrice>> price_effects(const std::shared_ptr<const Scene>& scene,
-                                                      const Camera& camera,
-                                                      const RenderSettings& given,
-                                                      const PricePolicy& policy,
-                                                      std::stop_token stop,
-                                                      const std::function<void(float)>& progress) {
+std::optional<std::vector<EffectPrice>> price_effects(
+    const std::shared_ptr<const Scene>& scene, const Camera& camera, const RenderSettings& given,
+    const PricePolicy& policy, std::stop_token stop, const std::function<void(float)>& progress) {
     WorkerPool pool(1);
     const RenderSettings settings = small_image(given, policy.pixels);
     std::vector<std::unique_ptr<Contender>> contenders;
     contenders.push_back(
         std::make_unique<Contender>(prepare_view(scene, camera, settings, pool), settings));
-    std::vector<Effect> effects;
+    std::vector<Pair> pairs;
     const EffectReport detected = contenders.front()->view().effects;
     for (const EffectInfo& info : kEffects) {
         const EffectState state = effect_state(settings, info.effect);
@@ -174,7 +209,9 @@ std::optional<std::vector<EffectPrice>> price_effects(const std::shared_ptr<cons
         const PreparedView& base = contenders.front()->view();
         contenders.push_back(
             std::make_unique<Contender>(prepare_view(scene, camera, other, pool, &base), other));
-        effects.push_back(info.effect);
+        const std::size_t own = contenders.size() - 1;
+        pairs.push_back(state == EffectState::off ? Pair{info.effect, own, 0}
+                                                  : Pair{info.effect, 0, own});
     }
     const auto report = [&](std::size_t done) {
         if (progress)
@@ -188,27 +225,27 @@ std::optional<std::vector<EffectPrice>> price_effects(const std::shared_ptr<cons
         if (stop.stop_requested()) return std::nullopt;
         report(i + 1);
     }
-    std::vector<EffectPrice> prices;
-    for (std::size_t i = 0; i < effects.size(); ++i) {
-        const bool is_off = settings.forced_off.has(effects[i]);
-        const Contender& with = is_off ? *contenders[i + 1] : *contenders[0];
-        const Contender& without = is_off ? *contenders[0] : *contenders[i + 1];
-        EffectPrice price;
-        price.effect = effects[i];
-        price.error_percent = share_percent(half_distance(with, with.film()),
-                                            half_distance(without, with.film()));
-        price.change = measure_floor(without.half, without.film(), with.half, with.film());
-        prices.push_back(price);
+    Race race(contenders, policy);
+    const int most = std::max(policy.rounds, policy.most_rounds);
+    for (int round = 0; round < most; ++round) {
+        // Both halves have as many rounds when they are compared.
+        if (round >= policy.rounds && round % 2 == 0 && race.resolves(pairs)) break;
+        race.run_round(stop);
+        if (stop.stop_requested()) return std::nullopt;
+        if (progress) progress(0.5f + 0.5f * static_cast<float>(round) / static_cast<float>(most));
     }
-    time_in_turn(contenders, policy, stop, progress);
-    if (stop.stop_requested()) return std::nullopt;
-    for (std::size_t i = 0; i < effects.size(); ++i) {
-        const bool is_off = settings.forced_off.has(effects[i]);
-        const Contender& with = is_off ? *contenders[i + 1] : *contenders[0];
-        const Contender& without = is_off ? *contenders[0] : *contenders[i + 1];
-        prices[i].time_percent = share_percent(with.seconds[0], without.seconds[0]);
-        prices[i].time_spread = 0.5 * std::abs(share_percent(with.seconds[1], without.seconds[1]) -
-                                               share_percent(with.seconds[2], without.seconds[2]));
+    std::vector<EffectPrice> prices;
+    for (const Pair& pair : pairs) {
+        const Contender& with = *contenders[pair.with];
+        const Contender& without = *contenders[pair.without];
+        EffectPrice price;
+        price.effect = pair.effect;
+        price.error_percent =
+            share_percent(half_distance(with, with.film()), half_distance(without, with.film()));
+        price.change = measure_floor(without.half, without.film(), with.half, with.film());
+        price.time_percent = race.share(pair);
+        price.time_spread = race.spread(pair);
+        prices.push_back(price);
     }
     return prices;
 }
