@@ -8,12 +8,14 @@ it (the worst case) is rendered by the kernels as shipped and by ones from which
 bench_effects_cost_room in its build folder. Needs valgrind and some minutes; what is finished is kept in FILE.
 """
 import argparse
+import concurrent.futures
 import json
 import pathlib
 import shlex
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 LIMIT = 1.01
@@ -95,6 +97,7 @@ def main():
     parser.add_argument("program", type=pathlib.Path)
     parser.add_argument("--only", help="effects with commas")
     parser.add_argument("--json", type=pathlib.Path, help="rows measured before are kept unless named by --only")
+    parser.add_argument("--jobs", type=int, default=2, help="effects at a time")
     options = parser.parse_args()
     program = options.program.resolve()
     build = program.parent.parent
@@ -104,11 +107,18 @@ def main():
     rows = {}
     if options.json and options.json.exists():
         rows = {row["effect"]: row for row in json.loads(options.json.read_text())["rows"]}
-    shipped = {}
     start = time.monotonic()
-    for name in names:
-        if name in rows and not options.only:
-            continue
+    counts, lock = {}, threading.Lock()
+
+    def shipped(room):
+        with lock:
+            mine = counts.setdefault(room, threading.Lock())
+        with mine:
+            if (room, "count") not in counts:
+                counts[room, "count"] = instructions(program, room)
+        return counts[room, "count"]
+
+    def measure(name):
         room = ROOM_OF[name]
         about = json.loads(run([str(program), room, "64"]))
         if name in about["effects"].split(","):
@@ -117,16 +127,20 @@ def main():
         folder.mkdir(parents=True, exist_ok=True)
         without = folder / program.name
         link(compile_without(name, about["kernel"], build, folder), program, build, without)
-        if room not in shipped:
-            shipped[room] = instructions(program, room)
         count = instructions(without, room)
         same = json.loads(run([str(without), room, "64"]))["film_hash"] == about["film_hash"]
-        ratio = shipped[room] / count
-        rows[name] = {"effect": name, "room": room, "kernel": about["kernel"], "shipped": shipped[room], "without": count,
-                      "ratio": ratio, "same_film": same, "within": ratio <= LIMIT and same}
-        print(f"{name}: {ratio:.4f}", file=sys.stderr, flush=True)
-        if options.json:
-            options.json.write_text(json.dumps({"limit": LIMIT, "rows": list(rows.values())}, indent=2) + "\n")
+        ratio = shipped(room) / count
+        with lock:
+            rows[name] = {"effect": name, "room": room, "kernel": about["kernel"], "shipped": shipped(room), "without": count,
+                          "ratio": ratio, "same_film": same, "within": ratio <= LIMIT and same}
+            print(f"{name}: {ratio:.4f}", file=sys.stderr, flush=True)
+            if options.json:
+                options.json.write_text(json.dumps({"limit": LIMIT, "rows": list(rows.values())}, indent=2) + "\n")
+
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        for done in [pool.submit(measure, name) for name in names if options.only or name not in rows]:
+            done.result()
+    rows = {name: rows[name] for name in ROOM_OF if name in rows}
     print("| effect not used | kernel | instructions, shipped | built without it | ratio |\n|---|---|---|---|---|")
     for row in rows.values():
         mark = "" if row["within"] else (" **above 1.01**" if row["same_film"] else " **another film**")

@@ -3,21 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ctime>
 
 #include "core/accuracy/error_estimate.h"
+#include "core/base/cpu_clock.h"
 #include "core/integrate/kernel.h"
 
 namespace talbot {
 namespace {
 
 constexpr uint32_t kTile = 16;  // pixels a side
-
-double thread_seconds() {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec) / 1e9;
-}
 
 // One side of the comparisons, rendered tile by tile on this thread.
 class Contender {
@@ -43,9 +37,9 @@ class Contender {
                     std::min(x + kTile, film_.width()),
                     std::min(y + kTile, film_.height())};
         TileCounts counts;
-        const double start = thread_seconds();
+        const double start = thread_cpu_seconds();
         tile_kernel(view_.tier)(job, stop, counts);
-        return thread_seconds() - start;
+        return thread_cpu_seconds() - start;
     }
     void render_all(uint64_t samples, const std::stop_token& stop) {
         for (uint32_t y = 0; y < film_.height(); y += kTile) {
