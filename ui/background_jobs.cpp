@@ -53,11 +53,13 @@ void BackgroundJobs::load_scene(const std::filesystem::path& file, SceneLoader l
 }
 
 void BackgroundJobs::reread_scene(std::shared_ptr<GltfFile> file, const SceneChoice& choice,
-                                  const Environment& environment) {
+                                  const Environment& environment,
+                                  std::shared_ptr<const Scene> previous) {
     start(true, "",
-          [file = std::move(file), choice, environment](std::stop_token stop,
-                                                        std::atomic<float>&) -> Outcome {
-              Result<RereadScene> reread = talbot::reread_scene(file, choice, environment, stop);
+          [file = std::move(file), choice, environment, previous = std::move(previous)](
+              std::stop_token stop, std::atomic<float>&) -> Outcome {
+              Result<RereadScene> reread =
+                  talbot::reread_scene(file, choice, environment, previous, stop);
               if (!reread) return reread.error();
               return std::move(*reread);
           });

@@ -37,7 +37,7 @@ class BackgroundJobs {
     void load_scene(const std::filesystem::path& file, SceneLoader loader);
     // Replaces a load that is under way; shows no status.
     void reread_scene(std::shared_ptr<GltfFile> file, const SceneChoice& choice,
-                      const Environment& environment);
+                      const Environment& environment, std::shared_ptr<const Scene> previous);
     void load_environment(const std::filesystem::path& file);
 
     // The path of one sample of what the snapshot shows.

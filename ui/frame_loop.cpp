@@ -320,7 +320,7 @@ void FrameLoop::follow_choice(double now) {
     if (chosen_at_ == 0) chosen_at_ = now;
     if (jobs_.loading() || edits_.any()) return;
     if (snapshot_ && snapshot_->generation < generation_) return;
-    jobs_.reread_scene(model_.file, model_.choice, model_.environment);
+    jobs_.reread_scene(model_.file, model_.choice, model_.environment, model_.scene);
 }
 
 // Rendering rests once for an image whose error is below the target.

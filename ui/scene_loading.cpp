@@ -72,7 +72,8 @@ Result<LoadedScene> load_scene(const std::filesystem::path& file, std::stop_toke
 }
 
 Result<RereadScene> reread_scene(const std::shared_ptr<GltfFile>& file, const SceneChoice& choice,
-                                 const Environment& environment, std::stop_token stop) {
+                                 const Environment& environment,
+                                 std::shared_ptr<const Scene> previous, std::stop_token stop) {
     const GltfChoices& choices = file->choices();
     LoadOptions options;
     options.stop = stop;
@@ -87,6 +88,7 @@ Result<RereadScene> reread_scene(const std::shared_ptr<GltfFile>& file, const Sc
     SceneBuildOptions build;
     build.stop = stop;
     build.quality = BuildQuality::fast;
+    build.previous = std::move(previous);
     const std::string name = desc->file;
     RereadScene reread;
     reread.loaded.scene = Scene::build(std::move(*desc), pool, build);

@@ -49,9 +49,11 @@ bool has_light(const std::vector<PunctualLight>& lights, const Environment& envi
                const std::vector<Material>& materials);
 
 // Reads and builds another choice of an open file, under this environment. For the eye, not for a
-// long render: the structure for rays is built fast rather than well.
+// long render: the structure for rays is that of `previous` (may be null) refitted, or built fast
+// rather than well.
 Result<RereadScene> reread_scene(const std::shared_ptr<GltfFile>& file, const SceneChoice& choice,
-                                 const Environment& environment, std::stop_token stop);
+                                 const Environment& environment,
+                                 std::shared_ptr<const Scene> previous, std::stop_token stop);
 
 // A soft sky for scenes without light: brighter above than below.
 Environment default_environment();

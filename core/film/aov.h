@@ -31,6 +31,8 @@ enum class Aov : uint8_t {
     time,
     bounces,
     traversal_steps,
+    bvh_depth,
+    bvh_leaf,
 };
 
 // Where the values come from.
@@ -54,7 +56,7 @@ struct AovInfo {
     bool averaged;  // over samples; else of a pixel's first sample
     std::string_view note;
 };
-inline constexpr std::array<AovInfo, 17> kAovs{{
+inline constexpr std::array<AovInfo, 19> kAovs{{
     {Aov::beauty, "beauty", "Beauty", "nt", 3, AovSource::film, AovLook::radiance, true, "The image itself."},
     {Aov::albedo, "albedo", "Albedo", "", 3, AovSource::first_hit, AovLook::color, true,
      "Base colour at the first hit, textures and vertex colours included."},
@@ -83,6 +85,10 @@ inline constexpr std::array<AovInfo, 17> kAovs{{
     {Aov::bounces, "bounces", "Bounces", "", 1, AovSource::path, AovLook::scalar, true, "Surfaces that a path meets."},
     {Aov::traversal_steps, "traversal_steps", "Traversal steps", "", 1, AovSource::first_hit, AovLook::scalar, true,
      "Nodes of the acceleration structure that a camera ray visits."},
+    {Aov::bvh_depth, "bvh_depth", "BVH depth", "", 1, AovSource::first_hit, AovLook::scalar, false,
+     "Level of the acceleration structure's leaf that holds the first hit; -1 where nothing is hit."},
+    {Aov::bvh_leaf, "bvh_leaf", "BVH leaves", "", 1, AovSource::first_hit, AovLook::id, false,
+     "The acceleration structure's leaf that holds the first hit, as an id; -1 where nothing is hit."},
 }};
 constexpr const AovInfo& aov_info(Aov aov) {
     return kAovs[static_cast<std::size_t>(aov)];

@@ -68,7 +68,8 @@ struct HitFilter {
 };
 
 struct AccelStats {
-    uint64_t triangles = 0;  // stored ones; duplicates by spatial splits not counted
+    uint64_t triangles = 0;   // stored ones
+    uint64_t references = 0;  // to them: more where some were cut
     uint64_t instances = 0;
     uint64_t spheres = 0;
     uint64_t nodes = 0;
@@ -76,6 +77,13 @@ struct AccelStats {
     uint64_t dropped_triangles = 0;  // non-finite or exactly degenerate, which no ray can hit
     uint32_t depth = 0;
     double build_seconds = 0;
+};
+
+// A leaf of the structure: its level below the root (of instances: of both trees added up), and a
+// name for it that differs from those of other leaves of its tree.
+struct LeafPlace {
+    uint32_t depth = 0;
+    uint32_t leaf = 0;
 };
 
 class Accel {
@@ -96,6 +104,10 @@ class Accel {
 
     virtual const AccelStats& stats() const = 0;
     virtual Bounds bounds() const = 0;
+
+    // The leaf that keeps the primitive of a hit that closest() gave for the ray, for debug views;
+    // false where there are no leaves. Slow.
+    virtual bool find_leaf(const Ray& ray, const Hit& hit, LeafPlace& place) const = 0;
 };
 
 // Builds the structure; null only when stop was requested. progress, when given, is called with
@@ -103,6 +115,13 @@ class Accel {
 std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& pool,
                                          std::stop_token stop = {},
                                          const std::function<void(float)>& progress = {});
+
+// The structure that `previous` becomes when vertices, transforms or spheres have moved: its trees
+// keep their shape and get new boxes, at a small part of a build's cost. Null when `input` has not
+// the same meshes and instances, when triangles came up that `previous` had dropped, when triangles
+// are cut in it, or when its boxes would overlap so much that a build is the better choice.
+std::unique_ptr<const Accel> refit_accel(const Accel& previous, const AccelInput& input,
+                                         WorkerPool& pool);
 
 // The same interface without any acceleration structure, as the oracle of tests and the "BVH off"
 // switch.

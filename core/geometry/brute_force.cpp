@@ -55,6 +55,7 @@ class BruteForceAccel final : public Accel {
         steps = static_cast<uint32_t>(std::min<uint64_t>(stats_.triangles + stats_.spheres, kNoId));
         return search(ray, nullptr, hit);
     }
+    bool find_leaf(const Ray&, const Hit&, LeafPlace&) const override { return false; }
     const AccelStats& stats() const override { return stats_; }
     Bounds bounds() const override { return bounds_; }
 

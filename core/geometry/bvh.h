@@ -80,6 +80,8 @@ struct Tree {
     Bounds bounds;
     uint32_t depth = 0;
     uint64_t triangles = 0;
+    uint64_t references = 0;  // lanes in use: more than triangles where some were cut
+    double built_cost = 0;    // of refitted trees: tree_cost when they were built
 
     uint64_t bytes() const {
         return nodes.size() * sizeof(WideNode) + blocks.size() * sizeof(TriangleBlock) +

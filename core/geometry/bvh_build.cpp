@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/check.h"
+#include "core/geometry/spatial_split.h"
 #include "core/geometry/split_search.h"
 
 namespace talbot {
@@ -20,34 +21,43 @@ namespace {
 constexpr uint64_t kSubtreeSize =
     4096;  // primitives that one task takes at most, if the range can be split
 
+// Cuts through triangles are looked for where the boxes of the two parts of a split share so much
+// of the node's half surface and of the root's, and taken when they cost less than the last share.
+constexpr double kOverlapOfNode = 0.1;
+constexpr double kOverlapOfRoot = 1e-4;
+constexpr double kWorthCutting = 0.9;
+
 class Builder {
   public:
-    Builder(std::span<BuildPrimitive> primitives, BuildQuality quality, const FillTriangle& fill,
-            bool has_objects, std::stop_token stop)
+    // The pool's workers read large ranges together; what they build themselves needs a builder
+    // without a pool.
+    Builder(std::span<BuildPrimitive> primitives, BuildQuality quality, const LoadTriangle& load,
+            WorkerPool* pool, std::stop_token stop)
         : primitives_(primitives),
           quality_(quality),
-          fill_(fill),
-          has_objects_(has_objects),
+          load_(load),
+          pool_(pool),
           stop_(std::move(stop)) {}
 
-    Range make_range(uint64_t begin, uint64_t end, uint32_t depth) const {
-        Range range;
-        range.begin = begin;
-        range.end = end;
-        for (uint64_t i = begin; i < end; ++i) {
-            const BuildPrimitive& p = primitives_[i];
-            const Float4 lower = lower_of(p);
-            const Float4 upper = upper_of(p);
-            range.box.add(lower, upper);
-            range.centroids.add(lower + upper, lower + upper);
-        }
-        choose_split(range, depth);
+    // All primitives, with the places behind them.
+    Range whole(uint64_t count, uint64_t room) {
+        Range range = read_range(0, count);
+        least_overlap_ = kOverlapOfRoot * range.box.half_area();
+        range.room = room;
+        choose_split(range, 0);
         return range;
+    }
+
+    Builder without_pool() const {
+        Builder builder = *this;
+        builder.pool_ = nullptr;
+        return builder;
     }
 
     // Splits `range` into up to eight children, most promising first.
     std::vector<Range> split_wide(const Range& range, uint32_t depth) {
         std::vector<Range> children{range};
+        children.reserve(kNodeWidth);
         while (children.size() < kNodeWidth) {
             size_t best = children.size();
             double best_key = -1;
@@ -63,10 +73,13 @@ class Builder {
                 }
             }
             if (best == children.size()) break;
-            const uint64_t middle = partition(children[best]);
-            const Range whole = children[best];
-            children[best] = make_range(whole.begin, middle, depth);
-            children.push_back(make_range(middle, whole.end, depth));
+            Range first;
+            Range second;
+            split(children[best], first, second);
+            choose_split(first, depth);
+            choose_split(second, depth);
+            children[best] = first;
+            children.push_back(second);
         }
         return children;
     }
@@ -109,9 +122,10 @@ class Builder {
         const uint64_t first = tree.blocks.size();
         for (size_t i = 0; i < items.size(); ++i) {
             if (i % kBlockWidth == 0) tree.blocks.push_back(empty_block());
-            fill_(items[i], tree.blocks.back(), static_cast<uint32_t>(i % kBlockWidth));
+            store_triangle(load_(items[i]), items[i].instance, items[i].index, tree.blocks.back(),
+                           static_cast<uint32_t>(i % kBlockWidth));
         }
-        tree.triangles += items.size();
+        tree.references += items.size();
         return ChildRef::leaf(first, blocks_of(items.size()), false);
     }
 
@@ -128,30 +142,50 @@ class Builder {
         return block;
     }
 
-    uint64_t count_objects(const Range& range) const {
-        if (!has_objects_) return 0;
-        uint64_t count = 0;
-        for (uint64_t i = range.begin; i < range.end; ++i)
-            count += primitives_[i].instance == kObjectPrimitive ? 1 : 0;
-        return count;
+    Range read_range(uint64_t begin, uint64_t end) const {
+        Range range;
+        range.begin = begin;
+        range.end = end;
+        if (pool_ == nullptr || end - begin < 2 * kPieceSize) {
+            for (uint64_t i = begin; i < end; ++i) range.add(primitives_[i]);
+            return range;
+        }
+        std::vector<Range> pieces((end - begin + kPieceSize - 1) / kPieceSize);
+        pool_->parallel_for(pieces.size(), [&](uint64_t piece, unsigned) {
+            const uint64_t first = begin + piece * kPieceSize;
+            for (uint64_t i = first; i < std::min(end, first + kPieceSize); ++i)
+                pieces[piece].add(primitives_[i]);
+        });
+        for (const Range& piece : pieces) range.add(piece);
+        return range;
     }
 
     // Decides whether the range is a leaf, and else where it is split.
     void choose_split(Range& range, uint32_t depth) const {
-        const uint64_t objects =
-            range.size() <= kMaxLeafItems * kBlockWidth ? count_objects(range) : range.size();
-        const bool may_be_leaf = !has_objects_
-                                     ? range.size() <= kMaxLeafItems * kBlockWidth
-                                     : objects == 0 || (objects == range.size() && objects == 1);
+        // Objects and triangles never share a leaf, and objects have leaves of their own.
+        const bool may_be_leaf =
+            range.objects == 0 ? range.size() <= kMaxLeafItems * kBlockWidth : range.size() == 1;
         if (range.size() == 1 || (may_be_leaf && range.size() <= kBlockWidth)) {
             range.is_leaf = true;
             range.is_worth_splitting = false;
             return;
         }
-        const double children_cost =
-            depth < kMaxAreaDepth
-                ? search_split(primitives_.subspan(range.begin, range.size()), quality_, range)
-                : kInfinity;
+        double children_cost = kInfinity;
+        if (depth < kMaxAreaDepth) {
+            const auto primitives = primitives_.subspan(range.begin, range.size());
+            const SplitCost split = search_split(primitives, quality_, pool_, range);
+            children_cost = split.cost;
+            if (range.room > 0 && range.objects == 0 &&
+                split.overlap > std::max(kOverlapOfNode * range.box.half_area(), least_overlap_)) {
+                const SpatialSplit cut = search_spatial_split(primitives, load_, pool_, range);
+                if (cut.cost < kWorthCutting * split.cost && cut.cut <= range.room) {
+                    children_cost = cut.cost;
+                    range.is_spatial = true;
+                    range.axis = cut.axis;
+                    range.split_bin = cut.bin;
+                }
+            }
+        }
         if (!may_be_leaf) return;
         const double leaf_cost =
             static_cast<double>(blocks_of(range.size())) * range.box.half_area();
@@ -159,20 +193,53 @@ class Builder {
         range.is_worth_splitting = children_cost < leaf_cost;
     }
 
-    // Orders the range's primitives for its split and returns where the second part begins.
-    uint64_t partition(const Range& range) {
-        if (range.axis != Range::kNoAxis) {
-            return range.begin +
-                   partition_range(primitives_.subspan(range.begin, range.size()), quality_, range);
+    // Orders the range's primitives for its split and says what the two parts are.
+    void split(const Range& range, Range& first, Range& second) {
+        bool done = false;
+        if (range.is_spatial) {
+            done = partition_spatially(primitives_.subspan(range.begin, range.size() + range.room),
+                                       load_, range, first, second);
+        } else if (range.axis != Range::kNoAxis) {
+            const auto primitives = primitives_.subspan(range.begin, range.size());
+            first.begin = range.begin;
+            first.end = second.begin =
+                range.begin + partition_range(primitives, quality_, range, first, second);
+            second.end = range.end;
+            done = true;
         }
+        if (!done) {
+            const uint64_t middle = halve(range);
+            first = read_range(range.begin, middle);
+            second = read_range(middle, range.end);
+        }
+        share_room(range.end + range.room - second.end, first, second);
+    }
+
+    // Divides the places behind two parts among them by their size.
+    void share_room(uint64_t room, Range& first, Range& second) {
+        if (room == 0) return;
+        const double share =
+            static_cast<double>(first.size()) / static_cast<double>(first.size() + second.size());
+        first.room = static_cast<uint64_t>(share * static_cast<double>(room));
+        second.room = room - first.room;
+        // As many as must go from the beginning of the second part go to its end.
+        const uint64_t moved = std::min(first.room, second.size());
+        const auto from = primitives_.begin() + static_cast<std::ptrdiff_t>(second.begin);
+        second.begin += first.room;
+        second.end += first.room;
+        std::copy(from, from + static_cast<std::ptrdiff_t>(moved),
+                  primitives_.begin() + static_cast<std::ptrdiff_t>(second.end - moved));
+    }
+
+    uint64_t halve(const Range& range) {
         const auto first = primitives_.begin() + static_cast<std::ptrdiff_t>(range.begin);
         const auto last = primitives_.begin() + static_cast<std::ptrdiff_t>(range.end);
-        // Objects and triangles never share a leaf.
-        const auto kinds = has_objects_ ? std::partition(first, last,
-                                                         [](const BuildPrimitive& p) {
-                                                             return p.instance != kObjectPrimitive;
-                                                         })
-                                        : first;
+        const auto kinds = range.objects > 0
+                               ? std::partition(first, last,
+                                                [](const BuildPrimitive& p) {
+                                                    return p.instance != kObjectPrimitive;
+                                                })
+                               : first;
         if (kinds != first && kinds != last && range.size() <= kMaxLeafItems * kBlockWidth) {
             return static_cast<uint64_t>(kinds - primitives_.begin());
         }
@@ -190,9 +257,10 @@ class Builder {
 
     std::span<BuildPrimitive> primitives_;
     BuildQuality quality_;
-    const FillTriangle& fill_;
-    bool has_objects_;
+    const LoadTriangle& load_;
+    WorkerPool* pool_;
     std::stop_token stop_;
+    double least_overlap_ = 0;
 };
 
 // The upper levels: nodes whose children are further such nodes or subtrees left to the tasks.
@@ -252,7 +320,7 @@ uint32_t append(Tree& tree, UpperTree::Task& task) {
     tree.blocks.insert(tree.blocks.end(), task.tree.blocks.begin(), task.tree.blocks.end());
     tree.objects.insert(tree.objects.end(), task.tree.objects.begin(), task.tree.objects.end());
     tree.depth = std::max(tree.depth, task.tree.depth);
-    tree.triangles += task.tree.triangles;
+    tree.references += task.tree.references;
     task.tree = {};
     return root;
 }
@@ -285,29 +353,33 @@ void join(UpperTree& upper, Tree& tree) {
 
 }  // namespace
 
-bool build_tree(std::span<BuildPrimitive> primitives, BuildQuality quality,
-                const FillTriangle& fill, WorkerPool* pool, std::stop_token stop,
+bool build_tree(HugePageVector<BuildPrimitive>& primitives, BuildQuality quality,
+                const LoadTriangle& load, WorkerPool* pool, std::stop_token stop,
                 const std::function<void(uint64_t)>& progress, Tree& tree) {
     tree = {};
     if (primitives.empty()) return true;
-    const bool has_objects =
-        std::any_of(primitives.begin(), primitives.end(),
-                    [](const BuildPrimitive& p) { return p.instance == kObjectPrimitive; });
-    Builder builder(primitives, quality, fill, has_objects, stop);
-    const Range whole = builder.make_range(0, primitives.size(), 0);
+    const uint64_t count = primitives.size();
+    const bool cuts = quality == BuildQuality::high;
+    const auto room =
+        cuts ? static_cast<uint64_t>((kMostReferences - 1) * static_cast<double>(count)) : 0;
+    primitives.resize(count + room);
+    Builder upper_builder(primitives, quality, load, pool, stop);
+    const Range whole = upper_builder.whole(count, room);
+    Builder builder = upper_builder.without_pool();
     tree.is_empty = false;
+    tree.triangles = count - whole.objects;
     for (int i = 0; i < 3; ++i) {
         tree.bounds.lower[i] = whole.box.lower[i];
         tree.bounds.upper[i] = whole.box.upper[i];
     }
-    if (pool == nullptr || primitives.size() <= kSubtreeSize || whole.is_leaf) {
+    if (pool == nullptr || count <= kSubtreeSize || whole.is_leaf) {
         tree.root = builder.build(whole, 0, tree);
         tree.outgrows_cache = tree.bytes() > kCachedTreeBytes;
-        if (progress) progress(primitives.size());
+        if (progress) progress(count);
         return !stop.stop_requested();
     }
     UpperTree upper;
-    upper.grow(builder, whole, 0, std::max(kSubtreeSize, primitives.size() / 64));
+    upper.grow(upper_builder, whole, 0, std::max(kSubtreeSize, count / 64));
     std::atomic<uint64_t> done{0};
     pool->parallel_for(
         upper.tasks.size(),
@@ -315,7 +387,7 @@ bool build_tree(std::span<BuildPrimitive> primitives, BuildQuality quality,
             UpperTree::Task& task = upper.tasks[i];
             task.root = builder.build(task.range, task.depth, task.tree);
             const uint64_t now = done.fetch_add(task.range.size()) + task.range.size();
-            if (progress) progress(now);
+            if (progress) progress(std::min(now, count));
         },
         stop);
     if (stop.stop_requested()) return false;

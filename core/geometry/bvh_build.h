@@ -1,13 +1,14 @@
-// Builds one wide tree over boxes by binned surface area heuristic.
+// Builds one wide tree over boxes by binned surface area heuristic; in high quality also with cuts
+// through triangles.
 #pragma once
 
 #include <cstdint>
 #include <functional>
-#include <span>
 #include <stop_token>
 
 #include "core/base/worker_pool.h"
 #include "core/geometry/bvh.h"
+#include "core/geometry/scene_input.h"
 
 namespace talbot {
 
@@ -21,14 +22,17 @@ struct alignas(32) BuildPrimitive {
 
 inline constexpr uint32_t kObjectPrimitive = 0xFFFFFFFDu;
 
-// Fills one lane of a block with the triangle behind a primitive.
-using FillTriangle =
-    std::function<void(const BuildPrimitive& primitive, TriangleBlock& block, uint32_t lane)>;
+// The triangle behind a primitive.
+using LoadTriangle = std::function<StoredTriangle(const BuildPrimitive& primitive)>;
 
-// Builds `tree` over the primitives, whose order it changes; false when stop was requested.
-// progress is told the number of primitives that have reached their leaves.
-bool build_tree(std::span<BuildPrimitive> primitives, BuildQuality quality,
-                const FillTriangle& fill, WorkerPool* pool, std::stop_token stop,
+// A high-quality tree refers to at most this many times as many triangles as there are.
+inline constexpr double kMostReferences = 1.3;
+
+// Builds `tree` over the primitives, whose order it changes and to which it appends parts of cut
+// ones; false when stop was requested. progress is told the number of primitives that have reached
+// their leaves.
+bool build_tree(HugePageVector<BuildPrimitive>& primitives, BuildQuality quality,
+                const LoadTriangle& load, WorkerPool* pool, std::stop_token stop,
                 const std::function<void(uint64_t)>& progress, Tree& tree);
 
 }  // namespace talbot

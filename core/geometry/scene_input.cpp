@@ -21,6 +21,18 @@ bool load_triangle(const AccelMesh& mesh, size_t i, StoredTriangle& triangle, bo
     return true;
 }
 
+void store_triangle(const StoredTriangle& triangle, uint32_t instance, uint32_t primitive,
+                    TriangleBlock& block, uint32_t lane) {
+    const Vec3f* corners[3] = {&triangle.a, &triangle.b, &triangle.c};
+    for (size_t k = 0; k < 3; ++k) {
+        for (size_t axis = 0; axis < 3; ++axis)
+            block.vertex[k][axis][lane] = (*corners[k])[static_cast<int>(axis)];
+    }
+    block.extent[lane] = triangle.extent;
+    block.primitive[lane] = primitive;
+    block.instance[lane] = instance;
+}
+
 std::vector<uint32_t> shared_meshes(const AccelInput& input) {
     std::vector<uint32_t> meshes;
     std::vector<uint8_t> seen(input.meshes.size(), 0);

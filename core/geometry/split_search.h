@@ -1,6 +1,5 @@
-// Where a range of primitives is best split by the surface area heuristic: between bins of
-// centroids, or, for small ranges of a high-quality tree, between any two centroids. References:
-// Wald 2007, "On fast construction of SAH-based bounding volume hierarchies".
+// Where a range of primitives is best split by the surface area heuristic between bins of
+// centroids. Reference: Wald 2007, "On fast construction of SAH-based bounding volume hierarchies".
 #pragma once
 
 #include <cstdint>
@@ -43,27 +42,52 @@ struct Range {
     static constexpr int kNoAxis = -1;
     uint64_t begin = 0;
     uint64_t end = 0;
+    uint64_t room = 0;  // unused places from `end` on, for parts of primitives that are cut in two
+    uint64_t objects = 0;  // primitives that are no triangles
     Box box;
     Box centroids;
     bool is_leaf = false;            // when it becomes a child, rather than an inner node
     bool is_worth_splitting = true;  // among children of a node, where one more costs nothing
     int axis = kNoAxis;
-    uint32_t split_bin = 0;  // the first one of the second part
+    uint32_t split_bin = 0;   // the first one of the second part
+    bool is_spatial = false;  // the split is by a plane, through primitives
 
     uint64_t size() const { return end - begin; }
+    void add(const BuildPrimitive& p) {
+        const Float4 lower = lower_of(p);
+        const Float4 upper = upper_of(p);
+        box.add(lower, upper);
+        centroids.add(lower + upper, lower + upper);
+        objects += p.instance == kObjectPrimitive ? 1 : 0;
+    }
+    void add(const Range& part) {
+        box.add(part.box);
+        centroids.add(part.centroids);
+        objects += part.objects;
+    }
 };
 
 inline uint64_t blocks_of(uint64_t triangles) {
     return (triangles + kBlockWidth - 1) / kBlockWidth;
 }
 
-// Sets how the range is split best and returns the cost of its two parts, infinite when there is no
-// split. Cost is half surface times blocks of triangles.
-double search_split(std::span<const BuildPrimitive> primitives, BuildQuality quality, Range& range);
+// What a split costs: half surface times blocks of triangles, of both parts.
+struct SplitCost {
+    double cost = kInfinity;
+    double overlap = 0;  // half surface of what the boxes of the parts have in common
+};
 
-// Orders the primitives of a range with an axis for its split, and returns how many are in its
-// first part.
+// Sets how the range is split best; its cost is infinite when there is no split. Large ranges are
+// read by all workers of the pool, when there is one.
+SplitCost search_split(std::span<const BuildPrimitive> primitives, BuildQuality quality,
+                       WorkerPool* pool, Range& range);
+
+// Orders the primitives of a range with an axis for its split, adds them to the two parts, and
+// returns how many are in the first.
 uint64_t partition_range(std::span<BuildPrimitive> primitives, BuildQuality quality,
-                         const Range& range);
+                         const Range& range, Range& first, Range& second);
+
+// Ranges of so many primitives are read in pieces of this size by several workers.
+inline constexpr uint64_t kPieceSize = 32768;
 
 }  // namespace talbot

@@ -244,6 +244,17 @@ HWY_INLINE StackEntry push_others(const Tree& tree, StackEntry*& top, const Wide
     return *--top;
 }
 
+// All children in the order of the node, for searches that any hit ends: they need no distances.
+HWY_INLINE StackEntry push_all(const Tree& tree, StackEntry*& top, const WideNode& node,
+                               uint32_t hits) {
+    for (;;) {
+        const uint32_t ref = node.child[take_lowest(hits)];
+        prefetch(tree, ref);
+        if (hits == 0) return ref;
+        *top++ = ref;
+    }
+}
+
 template <bool kAny, bool kFilter, bool kObjects, bool kCount>
 HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray) {
     if (tree.is_empty) return false;
@@ -260,7 +271,8 @@ HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray) {
             const WideNode& node = tree.nodes[entry_ref(entry)];
             const uint32_t hits = hit_boxes(node, boxes, t_limit, t_near);
             if (hits == 0) goto pop;
-            entry = push_others(tree, top, node, t_near, hits);
+            entry =
+                kAny ? push_all(tree, top, node, hits) : push_others(tree, top, node, t_near, hits);
         }
         keep_in_memory(boxes);
         if (kObjects && ChildRef::is_objects(entry_ref(entry))) {
@@ -279,7 +291,7 @@ HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray) {
         do {
             if (top == stack) return false;
             entry = *--top;
-        } while ((!kAny || kObjects) && entry_t(entry) > t_limit);
+        } while (!kAny && entry_t(entry) > t_limit);
     }
 }
 

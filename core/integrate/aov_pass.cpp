@@ -54,7 +54,16 @@ Rgb path_value(Aov aov, const RenderScene& scene, const CameraRays& camera,
 Rgb missed(Aov aov) {
     if (aov == Aov::depth) return Rgb(kInfinity);
     if (aov == Aov::material_id || aov == Aov::object_id) return Rgb(-1);
+    if (aov == Aov::bvh_depth || aov == Aov::bvh_leaf) return Rgb(-1);
     return Rgb(0);
+}
+
+// Leaves are told apart by a number that float holds exactly.
+Rgb leaf_value(Aov aov, const Accel& accel, const Ray& ray, const Hit& hit) {
+    LeafPlace place;
+    if (!accel.find_leaf(ray, hit, place)) return missed(aov);
+    constexpr uint32_t kLeafNames = 1u << 24;
+    return Rgb(static_cast<float>(aov == Aov::bvh_depth ? place.depth : place.leaf % kLeafNames));
 }
 
 Rgb first_hit_value(Aov aov, const RenderScene& rs, const CameraRays& camera,
@@ -71,6 +80,8 @@ Rgb first_hit_value(Aov aov, const RenderScene& rs, const CameraRays& camera,
         return Rgb(static_cast<float>(steps));
     }
     if (!intersect<kFullTier>(rs, sampler, 0, ray, hit)) return missed(aov);
+    if (aov == Aov::bvh_depth || aov == Aov::bvh_leaf)
+        return leaf_value(aov, rs.scene().accel(), ray, hit);
     if (aov == Aov::depth) return Rgb(camera.distance_to(ray, hit.t));
     if (aov == Aov::object_id) return Rgb(static_cast<float>(rs.scene().object_of(hit.id)));
     SurfaceInteraction si = make_surface_interaction<kFullTier>(rs.scene(), ray, hit);

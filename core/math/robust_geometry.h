@@ -42,6 +42,14 @@ inline constexpr double kWellShaped = 0x1p22;
 // Depth of a hit in units of the triangle's own depth, below which it is computed exactly.
 inline constexpr double kInPlaneShare = 0x1p-28;
 
+// Boxes of parts of a triangle are widened by this share of its extent: four times what the clipped
+// point may be off, and more than what rounding shifts a hit (barycentrics are exact to
+// 1 / kWellShaped), and by this share of their coordinates, for rounding.
+inline constexpr float kSplitPad = 0x1p-20f;
+inline constexpr float kSplitRounding = 0x1p-22f;
+// Boxes thinner than this are not split by planes: the above would be denormal.
+inline constexpr float kMinSplitExtent = 0x1p-60f;
+
 // World bounds of an instance are widened by this share of the largest coordinate: the ray is
 // rounded once in object space.
 inline constexpr double kInstanceBoundsPad = 0x40p-24;

@@ -217,9 +217,13 @@ std::shared_ptr<const Scene> Scene::build(SceneDesc desc, WorkerPool& pool,
     geometry->spheres = std::move(desc.spheres);
     geometry->objects = std::move(desc.objects);
     const AccelInput input = accel_input(*geometry, options.quality);
-    geometry->accel = options.brute_force
-                          ? build_brute_force(input)
-                          : build_accel(input, pool, options.stop, options.progress);
+    if (options.brute_force) {
+        geometry->accel = build_brute_force(input);
+    } else {
+        if (options.previous) geometry->accel = refit_accel(options.previous->accel(), input, pool);
+        if (!geometry->accel)
+            geometry->accel = build_accel(input, pool, options.stop, options.progress);
+    }
     if (!geometry->accel) return nullptr;
     geometry->bounds = geometry->accel->bounds();
     scene->geometry_ = std::move(geometry);

@@ -41,9 +41,13 @@ struct SceneGeometry {
 // What the intersector is built from; spans point into the geometry.
 AccelInput accel_input(const SceneGeometry& geometry, BuildQuality quality);
 
+class Scene;
+
 struct SceneBuildOptions {
     bool brute_force = false;  // no acceleration structure
     BuildQuality quality = BuildQuality::high;
+    // Another moment of the same file: its acceleration structure is refitted where that serves.
+    std::shared_ptr<const Scene> previous;
     std::stop_token stop;
     std::function<void(float)> progress;
 };
