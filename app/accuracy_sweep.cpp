@@ -23,6 +23,18 @@ std::string negated(const std::string& names) {
     return text;
 }
 
+// Sets an enumeration by its word in a table; empty where it is known.
+template <typename Table, typename Member, typename Enum>
+std::string word_of(const Table& table, Member member, const std::string& word, const char* what,
+                    Enum& setting) {
+    for (const auto& row : table) {
+        if (row.name != word) continue;
+        setting = row.*member;
+        return "";
+    }
+    return "'" + word + "' is not " + what;
+}
+
 // Sets one key of the settings; empty where key and value are known.
 std::string apply(const std::string& key, const std::string& value, SweepConfig& config) {
     RenderSettings& s = config.settings;
@@ -66,14 +78,14 @@ std::string apply(const std::string& key, const std::string& value, SweepConfig&
         config.flags = "--effects auto" + (on.empty() ? "" : "," + on) + negated(off);
         return "";
     }
-    if (key == "sampler") {
-        for (const SamplerInfo& info : kSamplers) {
-            if (info.name != value) continue;
-            s.sampler = info.kind;
-            return "";
-        }
-        return "'" + value + "' is not a sampler";
-    }
+    if (key == "sampler")
+        return word_of(kSamplers, &SamplerInfo::kind, value, "a sampler", s.sampler);
+    if (key == "lights")
+        return word_of(kLightSelections, &LightSelectionInfo::kind, value,
+                       "a selection of lights", s.lights);
+    if (key == "environment-sampling")
+        return word_of(kEnvironmentSamplings, &EnvironmentSamplingInfo::kind, value,
+                       "a sampling of environments", s.environment_sampling);
     if (key == "filter") {
         for (const FilterInfo& info : kFilters) {
             if (info.name != value) continue;
@@ -90,8 +102,8 @@ std::string apply(const std::string& key, const std::string& value, SweepConfig&
         return "";
     }
     return "the key '" + key +
-           "' is not known; use max-depth, sampler, filter, roulette, nee, effects, "
-           "effect.NAME or tile-size";
+           "' is not known; use max-depth, sampler, filter, lights, environment-sampling, roulette, "
+           "nee, effects, effect.NAME or tile-size";
 }
 
 std::vector<std::string> default_sweeps(const RenderSettings& base) {

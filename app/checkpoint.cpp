@@ -52,6 +52,8 @@ std::string sample_settings(const Scene& scene, const Camera& camera,
     text.whole("max_depth", settings.max_depth);
     text.whole("sampler", static_cast<uint64_t>(settings.sampler));
     text.whole("filter", static_cast<uint64_t>(settings.filter));
+    text.whole("lights", static_cast<uint64_t>(settings.lights));
+    text.whole("environment_sampling", static_cast<uint64_t>(settings.environment_sampling));
     text.whole("roulette", settings.russian_roulette);
     text.whole("nee", settings.next_event_estimation);
     if (settings.forced_off != EffectSet{})
@@ -72,6 +74,10 @@ std::string sample_settings(const Scene& scene, const Camera& camera,
     text.vector("environment.color", e.color);
     text.number("environment.rotation", static_cast<double>(e.rotation_degrees));
     text.number("environment.intensity", static_cast<double>(e.intensity));
+    for (const PunctualLight& light : scene.punctual_lights()) {
+        text.number("light.intensity", static_cast<double>(light.intensity));
+        text.number("light.diameter", static_cast<double>(light.angular_diameter));
+    }
     return text.take();
 }
 

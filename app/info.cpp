@@ -24,7 +24,7 @@ ordered_json effects_json(const EffectReport& report) {
     return effects;
 }
 
-ordered_json describe(const SceneSetup& setup) {
+ordered_json describe(const SceneSetup& setup, const LightReading& reading) {
     const Scene& scene = *setup.scene;
     const SceneGeometry& geometry = scene.geometry();
     const RenderScene render_scene(setup.scene);
@@ -52,7 +52,12 @@ ordered_json describe(const SceneSetup& setup) {
     for (const Material& m : scene.materials()) j["materials"].push_back(m.name);
     j["cameras"] = ordered_json::array();
     for (const Camera& c : scene.cameras()) j["cameras"].push_back(c.name);
+    std::string_view units;
+    for (const LightUnitsInfo& info : kLightUnits) {
+        if (info.units == reading.units) units = info.name;
+    }
     j["lights"] = {{"punctual", scene.punctual_lights().size()},
+                   {"units", units},
                    {"emitters", render_scene.lights().lights().size()},
                    {"environment", !render_scene.lights().environment().is_black()}};
     j["extensions"] = ordered_json::array();
@@ -104,8 +109,9 @@ void print_text(const ordered_json& j) {
                 upper[1].get<double>(), upper[2].get<double>());
     print_list("materials", j["materials"]);
     print_list("cameras", j["cameras"]);
-    std::printf("%-12s%zu punctual, %zu emitters in all, environment %s\n", "lights",
+    std::printf("%-12s%zu punctual (units: %s), %zu emitters in all, environment %s\n", "lights",
                 j["lights"]["punctual"].get<std::size_t>(),
+                j["lights"]["units"].get<std::string>().c_str(),
                 j["lights"]["emitters"].get<std::size_t>(),
                 j["lights"]["environment"].get<bool>() ? "yes" : "no");
     if (!j["variants"].empty()) print_list("variants", j["variants"]);
@@ -144,7 +150,7 @@ int run_info(const Options& options) {
         log_error(setup.error().line());
         return exit_code(setup.error());
     }
-    ordered_json j = describe(*setup);
+    ordered_json j = describe(*setup, options.light_reading);
     list_choices(setup->file->choices(), j);
     if (options.json) {
         std::printf("%s\n", j.dump(2, ' ', false, ordered_json::error_handler_t::replace).c_str());

@@ -23,6 +23,9 @@ struct RawOptions {
     std::string frames, seed, first_sample, threads, max_depth, tile_size, sample;
     std::optional<double> every;
     double exposure = 0;
+    std::string lights;
+    std::string environment_sampling;
+    std::string light_units;
     bool quiet = false;
     bool no_roulette = false;
     bool no_nee = false;
@@ -172,6 +175,16 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
     app.add_option("--max-depth", raw.max_depth, "most scattering events on a path");
     app.add_option("--sampler", raw.sampler, names_of(kSamplers));
     app.add_option("--filter", raw.filter, names_of(kFilters));
+    app.add_option("--lights", raw.lights, "how one of many lights is chosen: " +
+                                               names_of(kLightSelections));
+    app.add_option("--environment-sampling", raw.environment_sampling,
+                   "how directions into an environment image are drawn: " +
+                       names_of(kEnvironmentSamplings));
+    app.add_option("--light-units", raw.light_units,
+                   "what the file's intensities are: spec (candela, lux) or radiometric (watts, "
+                   "without 683 lm/W)");
+    app.add_option("--sun-angle", o.light_reading.sun_degrees,
+                   "angular diameter of directional lights in degrees; the sun's is 0.53");
     app.add_flag("--no-roulette", raw.no_roulette,
                  "follow every path to its end or to --max-depth");
     app.add_flag("--no-nee", raw.no_nee, "no next-event estimation: find lights by chance only");
@@ -274,6 +287,26 @@ Status convert_numbers(const RawOptions& raw, Options& o) {
     return Done{};
 }
 
+Status convert_lights(const RawOptions& raw, Options& o) {
+    if (Status s = set_from_table(raw.lights, "--lights", kLightSelections,
+                                  &LightSelectionInfo::kind, o.render.lights);
+        !s)
+        return s;
+    if (Status s = set_from_table(raw.environment_sampling, "--environment-sampling",
+                                  kEnvironmentSamplings, &EnvironmentSamplingInfo::kind,
+                                  o.render.environment_sampling);
+        !s)
+        return s;
+    if (Status s = set_from_table(raw.light_units, "--light-units", kLightUnits,
+                                  &LightUnitsInfo::units, o.light_reading.units);
+        !s)
+        return s;
+    const std::optional<double>& sun = o.light_reading.sun_degrees;
+    if (sun && !(*sun >= 0 && *sun <= 180))
+        return usage("--sun-angle", "must lie between 0 and 180 degrees");
+    return Done{};
+}
+
 Status convert(const RawOptions& raw, Options& o) {
     if (Status s = convert_whole_numbers(raw, o); !s) return s;
     if (Status s = convert_numbers(raw, o); !s) return s;
@@ -289,6 +322,7 @@ Status convert(const RawOptions& raw, Options& o) {
             set_from_table(raw.filter, "--filter", kFilters, &FilterInfo::kind, o.render.filter);
         !s)
         return s;
+    if (Status s = convert_lights(raw, o); !s) return s;
     if (Status s = convert_effects(raw.effects, o); !s) return s;
     if (Status s = convert_aovs(raw.aovs, o); !s) return s;
     if (raw.background != "environment" && raw.background != "transparent") {

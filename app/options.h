@@ -10,6 +10,7 @@
 #include "core/base/result.h"
 #include "core/film/aov.h"
 #include "core/film/tone_map.h"
+#include "core/io/gltf_loader.h"
 #include "core/scene/camera.h"
 #include "core/session/settings.h"
 
@@ -48,6 +49,7 @@ struct Options {
     std::optional<double> animation_time;
     std::string environment;
     float environment_rotation = 0;
+    LightReading light_reading;
     RenderSettings render;
     DisplaySettings display;
     std::vector<Aov> aovs;  // layers of .exr outputs

@@ -126,6 +126,10 @@ std::string run_record_json(const RunRecord& record) {
     j["first_sample"] = s.settings.first_sample;
     j["max_depth"] = s.settings.max_depth;
     j["sampler"] = name_in(kSamplers, s.settings.sampler, &SamplerInfo::kind);
+    j["lights"] = name_in(kLightSelections, s.settings.lights, &LightSelectionInfo::kind);
+    j["environment_sampling"] =
+        name_in(kEnvironmentSamplings, s.settings.environment_sampling,
+                &EnvironmentSamplingInfo::kind);
     j["filter"] = name_in(kFilters, s.settings.filter, &FilterInfo::kind);
     j["threads"] = record.threads;
     j["passes"] = s.passes;

@@ -82,6 +82,7 @@ Result<SceneDesc> load_scene(const Options& options, std::shared_ptr<GltfFile>* 
     load.variant = options.variant;
     load.animation_time = options.animation_time;
     load.threads = options.threads;
+    load.lights = options.light_reading;
     Result<std::shared_ptr<GltfFile>> file = GltfFile::open(scene_path(options), load);
     if (!file) return file.error();
     Result<SceneDesc> desc = (*file)->read(load);

@@ -1,6 +1,6 @@
 """Run inside Blender: renders a glTF scene with Cycles on the CPU and prints the seconds of sampling.
 
-blender -b --factory-startup -P cycles_scene.py -- SCENE.gltf SPP THREADS BOUNCES [OUTPUT.pfm [SEED]]
+blender -b --factory-startup -P cycles_scene.py -- SCENE.gltf SPP THREADS BOUNCES [OUTPUT.pfm [SEED [SCALE]]]
 No denoiser, no clamping, no adaptive sampling, caustics on, 1 px box filter: the settings that estimate the same image as
 Talbot's.
 """
@@ -25,6 +25,8 @@ scene.render.engine = "CYCLES"
 scene.camera = next(o for o in bpy.data.objects if o.type == "CAMERA")
 doc = json.load(open(scene_file))
 width, height = doc["cameras"][0].get("extras", {}).get("resolution", [512, 512])
+scale = float(args[6]) if len(args) > 6 else 1
+width, height = max(1, round(width * scale)), max(1, round(height * scale))
 scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = width, height, 100
 scene.render.threads_mode, scene.render.threads = "FIXED", threads
 c = scene.cycles

@@ -222,6 +222,33 @@ TEST(Cameras, BadOnesAreLeftOutAndNonsenseExtrasIgnored) {
     EXPECT_TRUE(has_warning(scene, "cameras[1]: xmag"));
 }
 
+TEST(Lights, UnitsAndSunAngleAreAsAskedFor) {
+    GltfBuilder b;
+    b.use_extension("KHR_lights_punctual");
+    b.root["extensions"]["KHR_lights_punctual"]["lights"] = {
+        {{"type", "point"}, {"intensity", 2}, {"extras", {{"angularDiameter", 0.5}}}},
+        {{"type", "directional"}, {"intensity", 3}, {"extras", {{"angularDiameter", 0.01}}}},
+        {{"type", "directional"}}};
+    const auto light = [](int i) { return Json{{"KHR_lights_punctual", {{"light", i}}}}; };
+    with_nodes(b, {{{"extensions", light(0)}}, {{"extensions", light(1)}},
+                   {{"extensions", light(2)}}});
+    TALBOT_LOADED(as_specified, b.load());
+    EXPECT_EQ(as_specified.lights[0].intensity, 2);
+    EXPECT_EQ(as_specified.lights[0].angular_diameter, 0) << "a point light is none";
+    EXPECT_EQ(as_specified.lights[1].intensity, 3);
+    EXPECT_EQ(as_specified.lights[1].angular_diameter, 0.01f);
+    EXPECT_FALSE(as_specified.lights[2].is_disc());
+    LoadOptions options;
+    options.lights.units = LightUnits::radiometric;
+    options.lights.sun_degrees = 90;
+    TALBOT_LOADED(watts, b.load(options));
+    EXPECT_EQ(watts.lights[0].intensity, 2 * 683.0f);
+    EXPECT_EQ(watts.lights[1].intensity, 3 * 683.0f);
+    EXPECT_FLOAT_EQ(watts.lights[1].angular_diameter, 0.5f * kPi);
+    EXPECT_FLOAT_EQ(watts.lights[2].angular_diameter, 0.5f * kPi);
+    EXPECT_FALSE(watts.lights[0].is_disc());
+}
+
 TEST(Lights, PlacedWithoutScale) {
     GltfBuilder b;
     const double h = std::sqrt(0.5);

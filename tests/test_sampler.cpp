@@ -119,9 +119,9 @@ TEST(PixelFilter, BlackmanHarrisHasItsMoments) {
 
 // The vector of a vertex's numbers holds the same bits as the numbers one by one.
 TEST(Sampler, NumbersOfAVertexAreThoseOfItsPairs) {
-    for (const SamplerKind kind : {SamplerKind::sobol, SamplerKind::independent}) {
+    for (const SamplerInfo& info : kSamplers) {
         for (uint32_t i = 0; i < 1000; ++i) {
-            const Sampler sampler(kind, 7 + i % 3, i % 61, i / 61, (uint64_t{i} << 27) + i);
+            const Sampler sampler(info.kind, 7 + i % 3, i % 61, i / 61, (uint64_t{i} << 27) + i);
             const uint32_t bounce = i % 70;
             const Bounce numbers = sampler.bounce(bounce);
             EXPECT_EQ(numbers.light(), sampler.pair(bounce, BouncePair::light));

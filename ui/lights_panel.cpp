@@ -60,6 +60,7 @@ bool draw_light(PunctualLight& light) {
         if (cone && light.kind != PunctualKind::spot) continue;
         if (info.name == "position" && light.kind == PunctualKind::directional) continue;
         if (info.name == "range" && light.kind == PunctualKind::directional) continue;
+        if (info.name == "angular_diameter" && light.kind != PunctualKind::directional) continue;
         if (info.name == "direction" && light.kind == PunctualKind::point) continue;
         if (info.name == "intensity")
             info.unit = light.kind == PunctualKind::directional ? "lx" : "cd";

@@ -251,6 +251,13 @@ constexpr Parameter<PunctualLight> kLightParameters[] = {
          const double size = length(direction);
          if (size > 0) light.direction = Vec3f(direction / size);
      }},
+    scalar<PunctualLight, &PunctualLight::angular_diameter>(
+        {.name = "angular_diameter",
+         .label = "angularDiameter",
+         .unit = "rad",
+         .upper = 3.1415925,
+         .slider_upper = 0.1,
+         .note = "Above 0 the light is a disc, like the sun's of 0.0093."}),
     scalar<PunctualLight, &PunctualLight::range>({.name = "range",
                                                   .label = "range",
                                                   .unit = "m",

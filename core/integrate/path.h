@@ -143,6 +143,20 @@ void add_environment(const RenderScene& rs, const PathSettings& settings, uint32
     path.Li += path.beta * weight * Le;
 }
 
+// Discs of directional lights that the ray escapes to.
+template <EffectSet kTier>
+void add_suns(const RenderScene& rs, const PathSettings& settings, uint32_t bounce, const Ray& ray,
+              PathState& path) {
+    if constexpr (!kTier.has(Effect::punctual_lights)) return;
+    if (bounce == 0 && settings.transparent_background) return;
+    for (const SunDisc& sun : rs.lights().suns()) {
+        if (!sun.holds(ray.d)) continue;
+        const bool also_sampled = !path.specular && settings.next_event_estimation;
+        const float weight = also_sampled ? power_heuristic(path.bsdf_pdf, sun.pdf) : 1.0f;
+        path.Li += path.beta * weight * sun.radiance;
+    }
+}
+
 // Light that the surface itself sends back along the ray.
 template <EffectSet kTier, typename Recorder>
 void add_emission(const RenderScene& rs, const PathSettings& settings, const Ray& ray,
@@ -464,6 +478,7 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         }
         if (!found) {
             add_environment<kTier>(rs, settings, bounce, ray, path, recorder);
+            add_suns<kTier>(rs, settings, bounce, ray, path);
             if constexpr (Recorder::kActive) recorder.seen(bounce, path);
             break;
         }

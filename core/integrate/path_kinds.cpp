@@ -39,7 +39,11 @@ PathSample PathSorter::trace(uint32_t x, uint32_t y, uint64_t sample_index) {
 }
 
 uint32_t PathSorter::end_of_ray() const {
-    return found_ ? scene_.scene().object_of(hit_.id) : kEnvironmentSource;
+    if (found_) return scene_.scene().object_of(hit_.id);
+    for (const SunDisc& sun : scene_.lights().suns()) {
+        if (sun.holds(direction_)) return kPunctualSource;
+    }
+    return kEnvironmentSource;
 }
 
 // What the path has brought since the last call.
@@ -48,8 +52,9 @@ void PathSorter::sort(PathKind kind, uint32_t source, const PathState& path) {
     sorted_ = path.Li;
 }
 
-void PathSorter::ray(uint32_t, const Ray&, bool found, const Hit& hit, const PathState&) {
+void PathSorter::ray(uint32_t, const Ray& ray, bool found, const Hit& hit, const PathState&) {
     hit_ = hit;
+    direction_ = ray.d;
     found_ = found;
 }
 

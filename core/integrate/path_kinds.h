@@ -77,6 +77,7 @@ class PathSorter final : public PathObserver {
     uint32_t x_ = 0, y_ = 0;
     uint64_t sample_ = 0;
     Hit hit_;
+    Vec3f direction_{0};
     bool found_ = false;
     Rgb sorted_{0};  // of the path's radiance
     uint32_t sharp_ = 0, broad_ = 0;

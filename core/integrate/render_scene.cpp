@@ -29,19 +29,22 @@ bool emits_alike(const Scene& a, const Scene& b) {
                       [](const Material& x, const Material& y) { return emits_alike(x, y); });
 }
 
-std::shared_ptr<const LightTable> make_lights(const Scene& scene, const RenderScene* previous) {
-    if (!previous) return std::make_shared<const LightTable>(scene);
-    if (emits_alike(scene, previous->scene())) return previous->shared_lights();
-    return std::make_shared<const LightTable>(scene, &previous->lights());
+std::shared_ptr<const LightTable> make_lights(const Scene& scene, const RenderScene* previous,
+                                              const LightSampling& sampling) {
+    if (previous && previous->lights().sampling() == sampling &&
+        emits_alike(scene, previous->scene()))
+        return previous->shared_lights();
+    return std::make_shared<const LightTable>(scene, previous ? &previous->lights() : nullptr,
+                                              sampling);
 }
 
 }  // namespace
 
 RenderScene::RenderScene(std::shared_ptr<const Scene> scene, const RenderScene* previous,
-                         EffectSet forced_on)
+                         EffectSet forced_on, const LightSampling& sampling)
     : given_(std::move(scene)),
       scene_(fold_scene(given_, forced_on)),
-      lights_(make_lights(*scene_, previous)) {
+      lights_(make_lights(*scene_, previous, sampling)) {
     const SceneGeometry& geometry = scene_->geometry();
     const std::vector<Material>& materials = scene_->materials();
     const bool exact = !forced_on.has(Effect::alpha_mask) && !forced_on.has(Effect::alpha_blend);

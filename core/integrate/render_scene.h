@@ -35,7 +35,7 @@ class RenderScene {
     // questions with known answers; the image is the same, byte for byte. Reuses what `previous`
     // shares with the new scene.
     RenderScene(std::shared_ptr<const Scene> scene, const RenderScene* previous = nullptr,
-                EffectSet forced_on = {});
+                EffectSet forced_on = {}, const LightSampling& sampling = {});
 
     const Scene& scene() const { return *scene_; }
     // As it was given.

@@ -2,7 +2,8 @@
 // dimension pair). Pairs are assigned by purpose and bounce (see Purpose), never by "next call", so
 // kernels that skip an effect see the same numbers. Sobol': each pair is the (0,2)-sequence with
 // its index shuffled and its values scrambled by nested uniform scrambling in hash form (Burley
-// 2020; constants of Vegdahl 2021). The upper 32 bits of the sample index enter the seeds.
+// 2020; constants of Vegdahl 2021). The upper 32 bits of the sample index enter the seeds. The other
+// kinds are in sampler.cpp.
 #pragma once
 
 #include <array>
@@ -63,30 +64,30 @@ class Sampler {
   public:
     Sampler(SamplerKind kind, uint64_t seed, uint32_t x, uint32_t y, uint64_t index)
         : kind_(kind),
+          x_(x),
+          y_(y),
+          seed_(seed),
           index_(static_cast<uint32_t>(index)),
+          index_high_(static_cast<uint32_t>(index >> 32)),
           reversed_index_(reverse_bits(static_cast<uint32_t>(index))) {
-        uint32_t key =
-            hash_combine(hash32(static_cast<uint32_t>(seed)), static_cast<uint32_t>(seed >> 32));
-        key = hash_combine(key, static_cast<uint32_t>(index >> 32));
+        uint32_t key = seed_key();
+        key = hash_combine(key, index_high_);
         key = hash_combine(key, x);
         key_ = hash_combine(key, y);
     }
 
     // The point of one dimension pair.
     Vec2f pair(uint32_t pair) const {
+        if (kind_ != SamplerKind::sobol) return pair_of_kind(pair);
         const uint32_t seed = hash_combine(key_, pair);
-        if (kind_ == SamplerKind::independent) {
-            const uint32_t a = hash_combine(seed, index_);
-            return Vec2f(unit_float(a), unit_float(hash32(a ^ 0x68BC21EBu)));
-        }
         const uint32_t shuffled = reverse_bits(laine_karras(reversed_index_, seed));
         return Vec2f(first_of(shuffled, seed), second_of(shuffled, seed));
     }
 
     // Its first number alone.
     float single(uint32_t pair) const {
+        if (kind_ != SamplerKind::sobol) return pair_of_kind(pair).x;
         const uint32_t seed = hash_combine(key_, pair);
-        if (kind_ == SamplerKind::independent) return unit_float(hash_combine(seed, index_));
         return first_of(reverse_bits(laine_karras(reversed_index_, seed)), seed);
     }
 
@@ -119,8 +120,23 @@ class Sampler {
         return unit_float(reverse_bits(laine_karras(second, hash32(seed ^ kSecondSalt))));
     }
 
+    // The point of a kind that is not sobol (in sampler.cpp, as are its steps).
+    Vec2f pair_of_kind(uint32_t pair) const;
+    Vec2f independent_pair(uint32_t pair) const;
+    Vec2f stratified_pair(uint32_t pair) const;
+    Vec2f halton_pair(uint32_t pair) const;
+    Vec2f zsobol_pair(uint32_t pair) const;
+
+    uint32_t seed_key() const {
+        return hash_combine(hash32(static_cast<uint32_t>(seed_)),
+                            static_cast<uint32_t>(seed_ >> 32));
+    }
+
     SamplerKind kind_;
+    uint32_t x_, y_;
+    uint64_t seed_;
     uint32_t index_;
+    uint32_t index_high_;
     uint32_t reversed_index_;
     uint32_t key_;
 };
@@ -145,7 +161,7 @@ class Bounce {
 inline Bounce Sampler::bounce(uint32_t bounce) const {
     Bounce result;
     const uint32_t first = bounce_pair(bounce, BouncePair{0});
-    if (kind_ == SamplerKind::independent) {
+    if (kind_ != SamplerKind::sobol) {
         for (std::size_t lane = 0; lane < Bounce::kLanes; ++lane) {
             const Vec2f u = pair(first + Bounce::kPair[lane]);
             result.lanes_[lane] = Bounce::kIsSecond[lane] != 0 ? u.y : u.x;

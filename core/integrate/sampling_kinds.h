@@ -7,15 +7,19 @@
 
 namespace talbot {
 
-enum class SamplerKind : uint8_t { sobol, independent };
+// In the order of the table below.
+enum class SamplerKind : uint8_t { sobol, independent, stratified, halton, zsobol };
 struct SamplerInfo {
     SamplerKind kind;
     std::string_view name;
     std::string_view label;
 };
-inline constexpr std::array<SamplerInfo, 2> kSamplers{{
+inline constexpr std::array<SamplerInfo, 5> kSamplers{{
     {SamplerKind::sobol, "sobol", "Sobol' (Owen-scrambled)"},
     {SamplerKind::independent, "independent", "Independent"},
+    {SamplerKind::stratified, "stratified", "Stratified (multi-jittered)"},
+    {SamplerKind::halton, "halton", "Halton (Owen-scrambled)"},
+    {SamplerKind::zsobol, "zsobol", "Sobol' (blue noise)"},
 }};
 
 enum class FilterKind : uint8_t { box, blackman_harris };

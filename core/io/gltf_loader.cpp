@@ -312,6 +312,7 @@ Error was_cancelled(const std::filesystem::path& file) {
 struct GltfFile::State {
     gltf::Document document;
     GltfChoices choices;
+    LightReading lights;
     std::mutex mutex;  // of what follows, and of the document's model
     Decoded decoded;
     std::optional<Error> broken;
@@ -334,6 +335,7 @@ Result<std::shared_ptr<GltfFile>> GltfFile::open(const std::filesystem::path& fi
         auto state = std::make_unique<State>();
         state->document = std::move(*document);
         state->choices = gltf::choices_of(state->document);
+        state->lights = options.lights;
         state->decoded.images.resize(state->document.images.size());
         return std::shared_ptr<GltfFile>(new GltfFile(std::move(state)));
     } catch (const std::bad_alloc&) {
@@ -352,7 +354,9 @@ Result<SceneDesc> GltfFile::read(const LoadOptions& options) {
             state_->broken = moved.error();
             return moved.error();
         }
-        gltf::Loading loading(state_->document, options);
+        LoadOptions with_lights = options;
+        with_lights.lights = state_->lights;
+        gltf::Loading loading(state_->document, with_lights);
         Result<SceneDesc> desc = GltfLoader(loading, state_->decoded).run();
         // Who reads once needs no copies.
         state_->decoded.keep_meshes = true;

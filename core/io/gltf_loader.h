@@ -15,10 +15,17 @@
 
 namespace talbot {
 
+// How the file's punctual lights are taken.
+struct LightReading {
+    LightUnits units = LightUnits::spec;
+    std::optional<double> sun_degrees;  // angular diameter of all directional lights
+};
+
 struct LoadOptions {
     std::string scene;    // name or index; empty takes the default scene, or the first
     std::string variant;  // KHR_materials_variants name; empty takes the file's own materials
     std::optional<double> animation_time;  // seconds; empty shows the rest pose
+    LightReading lights;                   // of open(), for every later read()
     uint64_t max_bytes = 8ull << 30;       // over this the decoded scene is refused
     unsigned threads = 0;                  // for decoding images; 0 = all cores
     std::stop_token stop;

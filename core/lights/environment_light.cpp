@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "core/math/robust.h"
 #include "core/scene/compiled_effects.h"
@@ -11,6 +12,8 @@ namespace talbot {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
+// Of the sum of an image's cells, what rounding may add up to.
+constexpr double kRoundingShare = 0x1p-20;
 
 // Solid angle of one cell of a row: exact, and positive at the poles.
 double cell_solid_angle(uint32_t row, uint32_t columns, uint32_t rows) {
@@ -21,7 +24,8 @@ double cell_solid_angle(uint32_t row, uint32_t columns, uint32_t rows) {
 
 }  // namespace
 
-EnvironmentLight::EnvironmentLight(const Environment& environment, const EnvironmentLight* previous)
+EnvironmentLight::EnvironmentLight(const Environment& environment, const EnvironmentLight* previous,
+                                   EnvironmentSampling sampling)
     : color_(environment.color),
       intensity_(environment.intensity),
       gradient_(environment.gradient) {
@@ -29,9 +33,10 @@ EnvironmentLight::EnvironmentLight(const Environment& environment, const Environ
     cos_ = static_cast<float>(std::cos(angle));
     sin_ = static_cast<float>(std::sin(angle));
     if (environment.image) {
-        const bool same =
-            previous && previous->table_ && previous->table_->image == environment.image;
-        table_ = same ? previous->table_ : make_table(environment.image);
+        const bool same = previous && previous->table_ &&
+                          previous->table_->image == environment.image &&
+                          previous->table_->sampling == sampling;
+        table_ = same ? previous->table_ : make_table(environment.image, sampling);
         mean_ = table_->mean * intensity_;
     } else if (gradient_) {
         mean_ = 0.5f * (gradient_->from + gradient_->to) * intensity_;
@@ -42,7 +47,7 @@ EnvironmentLight::EnvironmentLight(const Environment& environment, const Environ
 }
 
 std::shared_ptr<const EnvironmentLight::ImageTable> EnvironmentLight::make_table(
-    std::shared_ptr<const EnvironmentImage> image) {
+    std::shared_ptr<const EnvironmentImage> image, EnvironmentSampling sampling) {
     const uint32_t w = image->width;
     const uint32_t h = image->height;
     auto table = std::make_shared<ImageTable>();
@@ -67,8 +72,24 @@ std::shared_ptr<const EnvironmentLight::ImageTable> EnvironmentLight::make_table
             mean += Vec3d(image->texels[static_cast<std::size_t>(y) * w + x]) * omega;
         }
     }
-    table->cells = CellDistribution(weights, w, h);
     table->mean = Rgb(mean / (2 * kTwoPi));
+    table->sampling = sampling;
+    bool sampled = sampling != EnvironmentSampling::none;
+    if (sampling == EnvironmentSampling::compensated) {
+        // What is best left to the other strategy, which is blind to the image, is its mean (Karlik
+        // et al. 2019, for two strategies of one sample each).
+        const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
+        for (uint32_t y = 0; y < h; ++y) {
+            const double share = total / (2 * kTwoPi) * cell_solid_angle(y, w, h);
+            for (uint32_t x = 0; x < w; ++x) {
+                double& weight = weights[static_cast<std::size_t>(y) * w + x];
+                weight = std::max(0.0, weight - share);
+            }
+        }
+        // What rounding alone lifts above the mean is nothing to sample.
+        sampled = std::accumulate(weights.begin(), weights.end(), 0.0) > kRoundingShare * total;
+    }
+    if (sampled) table->cells = CellDistribution(weights, w, h);
     table->image = std::move(image);
     return table;
 }

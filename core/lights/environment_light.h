@@ -1,11 +1,12 @@
-// The environment as a light: radiance by direction, and sampling of images in proportion to what
-// each cell sends. Directions are world directions, unit length, pointing away from the scene;
+// The environment as a light: radiance by direction, and sampling of images by what each cell sends
+// (EnvironmentSampling). Directions are world directions, unit length, pointing away from the scene;
 // densities per solid angle.
 #pragma once
 
 #include <memory>
 #include <optional>
 
+#include "core/lights/light_sampling.h"
 #include "core/math/distribution.h"
 #include "core/math/vec.h"
 #include "core/scene/environment.h"
@@ -23,12 +24,13 @@ class EnvironmentLight {
     EnvironmentLight() = default;
     // Reuses the tables of `previous` when it is made of the same image.
     explicit EnvironmentLight(const Environment& environment,
-                              const EnvironmentLight* previous = nullptr);
+                              const EnvironmentLight* previous = nullptr,
+                              EnvironmentSampling sampling = EnvironmentSampling::luminance);
 
     bool is_black() const { return black_; }
-    // Whether sample() is worth calling: for images only. A constant or a gradient is smooth, so
-    // BSDF sampling alone finds it with less work.
-    bool is_sampled() const { return !black_ && table_ != nullptr; }
+    // Whether sample() is worth calling: for images only, unless nothing of them is above the mean.
+    // A constant or a gradient is smooth, so BSDF sampling alone finds it with less work.
+    bool is_sampled() const { return !black_ && table_ && !table_->cells.is_empty(); }
 
     // Radiance arriving from direction d.
     Rgb eval(const Vec3f& d) const;
@@ -42,11 +44,12 @@ class EnvironmentLight {
   private:
     struct ImageTable {
         std::shared_ptr<const EnvironmentImage> image;
+        EnvironmentSampling sampling = EnvironmentSampling::luminance;
         CellDistribution cells;
         Rgb mean{0};
     };
     static std::shared_ptr<const ImageTable> make_table(
-        std::shared_ptr<const EnvironmentImage> image);
+        std::shared_ptr<const EnvironmentImage> image, EnvironmentSampling sampling);
     Rgb texel(int column, int row) const;
     Rgb eval_image(const Vec3f& local) const;
     Vec3f to_local(const Vec3f& d) const;

@@ -12,6 +12,9 @@
 namespace talbot {
 namespace {
 
+// Between two numbers of a sampler (unit_float).
+constexpr float kUnitStep = 0x1p-24f;
+
 // What a triangle of the mesh shows of its emissive texture.
 double triangle_emission(const EmissionMap& emission, const TextureSlot& slot, const Mesh& mesh,
                          uint32_t triangle) {
@@ -100,20 +103,41 @@ Rgb emitted_radiance(const Scene& scene, const Material& material, const Vec2f& 
     return radiance;
 }
 
-LightTable::LightTable(const Scene& scene, const LightTable* previous)
-    : environment_(scene.environment(), previous ? &previous->environment_ : nullptr) {
+LightTable::LightTable(const Scene& scene, const LightTable* previous,
+                       const LightSampling& sampling)
+    : sampling_(sampling),
+      environment_(scene.environment(), previous ? &previous->environment_ : nullptr,
+                   sampling.environment) {
     add_surface_lights(scene);
     add_punctual_lights(scene);
     make_choice(scene);
     const bool any = !choice_.is_empty() || !tree_.is_empty();
-    if (environment_.is_sampled()) environment_probability_ = any ? 0.5f : 1.0f;
+    if (environment_.is_sampled()) {
+        environment_probability_ = any ? 0.5f : 1.0f;
+        if (sampling_.selection == LightSelection::uniform)
+            environment_probability_ = static_cast<float>(1 / (1 + choice_.total()));
+    }
+    choose_suns();
+}
+
+// Density with which sample() finds each of them.
+void LightTable::choose_suns() {
+    for (uint32_t i = 0; i < lights_.size(); ++i) {
+        if (lights_[i].sun == kNoId) continue;
+        SunDisc& sun = suns_[lights_[i].sun];
+        sun.pdf = pdf_sun_disc(sun) * (1 - environment_probability_) * (1 - tree_probability_) *
+                  choice_.probability(i);
+    }
 }
 
 void LightTable::make_choice(const Scene& scene) {
     std::vector<double> powers;
     powers.reserve(lights_.size());
-    for (const Light& light : lights_) powers.push_back(light.power);
+    const bool alike = sampling_.selection == LightSelection::uniform;
+    for (const Light& light : lights_)
+        powers.push_back(alike && light.power > 0 ? 1.0 : light.power);
     choice_ = DiscreteDistribution(powers);
+    if (sampling_.selection != LightSelection::tree) return;
     const auto sends = [](double power) { return power > 0; };
     if (std::count_if(powers.begin(), powers.end(), sends) < kTreeLights) return;
     std::vector<LightBounds> bounds;
@@ -189,15 +213,32 @@ void LightTable::add_punctual_lights(const Scene& scene) {
         light.e1 = source.direction;
         light.radiance = source.color * source.intensity;
         light.power = punctual_power(source, radius);
+        if (source.is_disc()) {
+            light.sun = static_cast<uint32_t>(suns_.size());
+            suns_.push_back(make_sun_disc(source));
+        }
         lights_.push_back(light);
     }
 }
 
 std::optional<LightSample> LightTable::sample(const Scene& scene, const Vec3f& p, const Vec3f& n,
-                                              float u_choice, const Vec2f& u) const {
+                                              float u_choice, const Vec2f& u_light) const {
+    // Without a tree the first number of the point picks, too: a stretched part of a
+    // low-discrepancy sequence is one, so that each of a few lights, say the two triangles of a
+    // quad, is sampled as evenly as one alone. The bits that stretching moves up are filled with
+    // those of u_choice.
+    Vec2f u = u_light;
+    const bool joint = tree_.is_empty();
+    const float u_spare = u_choice;
+    if (joint) u_choice = u.x;
+    const auto stretched = [u_spare](float rest, float part) {
+        return std::min(rest + u_spare * (kUnitStep / part), kOneMinusEpsilon);
+    };
     float probability = 1;
     if (kCompiledEffects.has(Effect::environment_image) && environment_probability_ > 0) {
         if (u_choice < environment_probability_) {
+            if (joint)
+                u.x = stretched(u_choice / environment_probability_, environment_probability_);
             const std::optional<EnvironmentSample> found = environment_.sample(u);
             if (!found || !(found->pdf > 0)) return std::nullopt;
             LightSample sample;
@@ -228,7 +269,9 @@ std::optional<LightSample> LightTable::sample(const Scene& scene, const Vec3f& p
             const DiscreteDistribution::Pick pick = choice_.sample(u_choice);
             index = pick.index;
             probability *= pick.probability;
+            u_choice = pick.u;
         }
+        if (joint) u.x = probability < 1 ? stretched(u_choice, probability) : u.x;
     }
     std::optional<LightSample> sample = sample_light(scene, lights_[index], p, u);
     if (sample) sample->pdf *= probability;
@@ -243,6 +286,15 @@ std::optional<LightSample> LightTable::sample_light(const Scene& scene, const Li
             return sample_sphere_light(scene, light, p, u);
     }
     if (!kCompiledEffects.has(Effect::punctual_lights)) return std::nullopt;
+    if (light.sun != kNoId) {
+        const SunDisc& sun = suns_[light.sun];
+        LightSample sample;
+        sample.wi = sample_sun_disc(sun, u);
+        sample.radiance = sun.radiance;
+        sample.pdf = pdf_sun_disc(sun);
+        sample.infinite = true;
+        return sample;
+    }
     return sample_punctual_light(scene.punctual_lights()[light.punctual], light, p);
 }
 

@@ -1,16 +1,19 @@
 // Everything that sends light, and how a shading point picks from it: emissive triangles and
-// spheres, punctual lights and the environment. From kTreeLights lights on, those with a place are
-// chosen by a light tree. Radiance in nits, densities per solid angle and
+// spheres, punctual lights and the environment. With LightSelection::tree those with a place are
+// chosen by a light tree from kTreeLights lights on. Radiance in nits, densities per solid angle and
 // including the probability of the choice.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/lights/environment_light.h"
+#include "core/lights/light_sampling.h"
 #include "core/lights/light_tree.h"
+#include "core/lights/sun_disc.h"
 #include "core/math/distribution.h"
 #include "core/math/ray.h"
 #include "core/scene/scene.h"
@@ -31,6 +34,7 @@ struct Light {
     Vec3f p0{0}, e1{0},
         e2{0};   // triangle: corner and edges; punctual: position in p0, direction in e1
     Vec3f n{0};  // triangle: front side
+    uint32_t sun = kNoId;  // directional: its disc among suns()
     float area = 0;
     Rgb radiance{0};   // factor x strength, before textures; intensity of punctual lights
     double power = 0;  // estimated luminous power, for the choice
@@ -50,7 +54,10 @@ class LightTable {
   public:
     LightTable() = default;
     // Reuses environment tables of `previous` where the image is the same.
-    explicit LightTable(const Scene& scene, const LightTable* previous = nullptr);
+    explicit LightTable(const Scene& scene, const LightTable* previous = nullptr,
+                        const LightSampling& sampling = {});
+
+    const LightSampling& sampling() const { return sampling_; }
 
     const std::vector<Light>& lights() const { return lights_; }
     const EnvironmentLight& environment() const { return environment_; }
@@ -58,7 +65,7 @@ class LightTable {
         return !choice_.is_empty() || !tree_.is_empty() || environment_.is_sampled();
     }
 
-    // One light for a point p, with u_choice picking it. n: the surface's unit normal on the side
+    // One light for a point p, with u_choice, or where there are few u itself, picking it. n: the surface's unit normal on the side
     // that is lit, zero where light from both sides counts. Empty when the chosen light cannot send
     // anything to p.
     std::optional<LightSample> sample(const Scene& scene, const Vec3f& p, const Vec3f& n,
@@ -69,15 +76,19 @@ class LightTable {
     float pdf_surface(const Vec3f& p, const Vec3f& n, PrimitiveId id, const Vec3f& hit_point) const;
     // The same for the environment seen along d.
     float pdf_environment(const Vec3f& d) const;
+    // Directional lights that are discs.
+    std::span<const SunDisc> suns() const { return suns_; }
 
   private:
     void make_choice(const Scene& scene);
     void add_surface_lights(const Scene& scene);
     void add_punctual_lights(const Scene& scene);
+    void choose_suns();
     std::optional<LightSample> sample_light(const Scene& scene, const Light& light, const Vec3f& p,
                                             const Vec2f& u) const;
     uint32_t light_of(PrimitiveId id) const;
 
+    LightSampling sampling_;
     // A few lights are chosen by power; more by the tree, beside the lights without a place.
     std::vector<Light> lights_;
     DiscreteDistribution choice_;  // with a tree: of lights without a place
@@ -87,6 +98,7 @@ class LightTable {
     float environment_probability_ = 0;
     std::vector<uint32_t> first_light_of_instance_;  // kNoId where nothing is emitted
     std::vector<uint32_t> light_of_sphere_;
+    std::vector<SunDisc> suns_;
 };
 
 // Radiance that an emissive surface sends towards its front (or both sides), with its texture at

@@ -253,6 +253,12 @@ std::vector<Candidate> candidates(const RenderSettings& settings) {
     };
     if (settings.sampler != SamplerKind::sobol)
         add("--sampler sobol", [](RenderSettings& s) { s.sampler = SamplerKind::sobol; });
+    if (settings.lights != LightSelection::tree)
+        add("--lights tree", [](RenderSettings& s) { s.lights = LightSelection::tree; });
+    if (settings.environment_sampling != EnvironmentSampling::compensated)
+        add("--environment-sampling compensated", [](RenderSettings& s) {
+            s.environment_sampling = EnvironmentSampling::compensated;
+        });
     if (settings.next_event_estimation)
         add("--no-nee", [](RenderSettings& s) { s.next_event_estimation = false; });
     else

@@ -12,6 +12,7 @@ PreparedView prepare_view(std::shared_ptr<const Scene> scene, const Camera& came
     view.given = std::move(scene);
     view.forced_on = settings.forced_on;
     view.forced_off = settings.forced_off;
+    view.sampling = light_sampling(settings);
     view.camera = camera_without(camera, view.forced_off);
     if (previous && !previous->scene) previous = nullptr;
     const bool same_sets = previous && previous->forced_on == view.forced_on &&
@@ -19,6 +20,9 @@ PreparedView prepare_view(std::shared_ptr<const Scene> scene, const Camera& came
     if (same_sets && previous->given == view.given) {
         view.reduced = previous->reduced;
         view.scene = previous->scene;
+        if (!(previous->sampling == view.sampling))
+            view.scene = std::make_shared<const RenderScene>(view.reduced, previous->scene.get(),
+                                                             view.forced_on, view.sampling);
     } else {
         std::shared_ptr<const SceneGeometry> geometry = view.given->shared_geometry();
         if (same_sets && previous->given->shared_geometry() == geometry) {
@@ -28,7 +32,8 @@ PreparedView prepare_view(std::shared_ptr<const Scene> scene, const Camera& came
         }
         view.reduced = scene_without(view.given, view.forced_off, std::move(geometry));
         view.scene = std::make_shared<const RenderScene>(
-            view.reduced, previous ? previous->scene.get() : nullptr, view.forced_on);
+            view.reduced, previous ? previous->scene.get() : nullptr, view.forced_on,
+            view.sampling);
     }
     view.effects = analyse_effects(*view.given, camera);
     const EffectSet needed = view.forced_off == EffectSet{}

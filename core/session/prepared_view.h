@@ -14,6 +14,7 @@ struct PreparedView {
     std::shared_ptr<const Scene> reduced;       // without the effects that are forced off
     std::shared_ptr<const RenderScene> scene;   // of `reduced`
     EffectSet forced_on, forced_off;
+    LightSampling sampling;
     Camera camera;                              // as rendered
     EffectReport effects;                       // of the scene and camera as they came
     std::size_t tier = 0;

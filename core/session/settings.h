@@ -15,6 +15,8 @@ struct RenderSettings {
     uint32_t max_depth = 64;  // scattering events on a path; BIAS: light beyond it is missing
     SamplerKind sampler = SamplerKind::sobol;
     FilterKind filter = FilterKind::box;
+    LightSelection lights = LightSelection::tree;
+    EnvironmentSampling environment_sampling = EnvironmentSampling::compensated;
     bool russian_roulette = true;
     bool next_event_estimation = true;
     bool transparent_background = false;
@@ -26,6 +28,11 @@ struct RenderSettings {
 
     bool operator==(const RenderSettings&) const = default;
 };
+
+// What a light table needs of it.
+inline LightSampling light_sampling(const RenderSettings& settings) {
+    return {settings.lights, settings.environment_sampling};
+}
 
 // What the kernels need of it.
 inline PathSettings path_settings(const RenderSettings& settings) {

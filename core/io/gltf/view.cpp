@@ -87,9 +87,19 @@ bool set_kind(const std::string& type, PunctualLight& light) {
     return type == "point" || type == "spot" || type == "directional";
 }
 
-void read_light(const tinygltf::Light& in, PunctualLight& light) {
+void read_light(const tinygltf::Light& in, const LightReading& reading, PunctualLight& light) {
     if (in.color.size() == 3) light.color = color_of(in.color.data(), kLargestFactor);
-    light.intensity = limited(in.intensity, 0, std::numeric_limits<float>::max());
+    for (const LightUnitsInfo& units : kLightUnits) {
+        if (units.units == reading.units)
+            light.intensity = limited(in.intensity * static_cast<double>(units.factor), 0,
+                                      std::numeric_limits<float>::max());
+    }
+    if (light.kind == PunctualKind::directional) {
+        const double own = number_member(in.extras, "angularDiameter", 0);
+        const double diameter =
+            reading.sun_degrees ? *reading.sun_degrees * std::numbers::pi / 180 : own;
+        light.angular_diameter = limited(diameter, 0, kPi);
+    }
     if (in.range > 0) light.range = static_cast<float>(in.range);
     if (light.kind != PunctualKind::spot) return;
     // Equal angles are invalid, but occur: the edge is then one step wide.
@@ -158,7 +168,7 @@ Status place_lights(Loading& loading, const std::vector<PlacedNode>& nodes) {
             continue;
         }
         light.direction = Vec3f(direction);
-        read_light(in, light);
+        read_light(in, loading.options.lights, light);
         loading.desc.lights.push_back(light);
     }
     return Done{};
