@@ -11,7 +11,7 @@
 #include "app/hardcases/cases/instruction_sets.h"
 #include "app/hardcases/cases/mesh_shapes.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g13 {
 namespace {
 
 using namespace geometry;
@@ -263,4 +263,4 @@ const bool kAdded = add_case(
      "depth in double from the float corners, rounded once; ties by the lower id", "powroupi/blender_mmd_tools#214", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g13
