@@ -51,14 +51,15 @@ inline Mesh textured_quad(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
 // The film of a view as the settings ask, first whole passes from sample 0.
 inline Film render_view(const PreparedView& view, const RenderSettings& settings, uint64_t passes,
                         WorkerPool& pool) {
-    const CameraRays rays(view.camera, view.given->origin(), settings.width, settings.height);
+    const CameraRays rays(view.camera, view.given->origin(), settings.width, settings.height,
+                          Bounds{});
     const PathSettings path = path_settings(settings);
     Film film(settings.width, settings.height);
     std::vector<TileCounts> counts(pool.size());
     pool.parallel_for(settings.height, [&](uint64_t row, unsigned worker) {
         const auto y = static_cast<uint32_t>(row);
-        const TileJob job{view.scene.get(), &rays, &path, &film, 0, passes, 0, y, settings.width,
-                          y + 1};
+        const TileJob job{view.scene.get(), &rays, &path, &film,          0,
+                          passes,           0,     y,     settings.width, y + 1};
         tile_kernel(view.tier)(job, {}, counts[worker]);
     });
     return film;
@@ -223,15 +224,15 @@ inline EffectScene make_effect_scene(Effect effect, WorkerPool& pool) {
     Material back = SceneBuilder::diffuse(0.8f);
     if (effect == Effect::dispersion) {
         back.emissive_factor = Rgb(1);
-        back.emissive_texture =
-            slot_of(add_texture(builder.desc(), 16, [](uint32_t x, uint32_t) {
-                return x % 2 == 0 ? std::array{255, 255, 255, 255} : std::array{0, 0, 0, 255};
-            }));
+        back.emissive_texture = slot_of(add_texture(builder.desc(), 16, [](uint32_t x, uint32_t) {
+            return x % 2 == 0 ? std::array{255, 255, 255, 255} : std::array{0, 0, 0, 255};
+        }));
     }
     builder.mesh(textured_quad(Vec3f(-3, -3, -2), Vec3f(6, 0, 0), Vec3f(0, 6, 0)),
                  builder.material(back));
     Environment& sky = builder.desc().environment;
-    sky.gradient = EnvironmentGradient{Vec3f(0, 1, 0), Rgb(0.1f, 0.1f, 0.2f), Rgb(0.6f, 0.5f, 0.3f)};
+    sky.gradient =
+        EnvironmentGradient{Vec3f(0, 1, 0), Rgb(0.1f, 0.1f, 0.2f), Rgb(0.6f, 0.5f, 0.3f)};
     if (effect == Effect::environment_image) {
         auto image = std::make_shared<EnvironmentImage>();
         image->width = 16;

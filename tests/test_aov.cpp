@@ -35,7 +35,7 @@ struct View {
         scene = Scene::build(std::move(desc), pool);
         camera.position = Vec3d(0, 0, 6);
     }
-    CameraRays rays() const { return CameraRays(camera, scene->origin(), kSide, kSide); }
+    CameraRays rays() const { return CameraRays(camera, scene->origin(), kSide, kSide, Bounds{}); }
     AovImage image(Aov aov, uint32_t samples) {
         const RenderScene rs(scene);
         AovBuffer buffer(aov, kSide, kSide);

@@ -61,7 +61,7 @@ TEST(CameraSamples, LensPointsAreUniformOnTheApertureAndMeetInFocus) {
     look_at(camera, Vec3d(1, 2, 3), Vec3d(0));
     camera.aperture_radius = 0.25;
     camera.focus_distance = 2;
-    const CameraRays rays(camera, Vec3d(0), 64, 64);
+    const CameraRays rays(camera, Vec3d(0), 64, 64, Bounds{});
     constexpr int kSide = 16;
     std::vector<double> observed(kSide * kSide, 0.0);
     stats::Random random(4);

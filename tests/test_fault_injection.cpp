@@ -72,7 +72,8 @@ Tally inject(PathValue site, float fault) {
     WorkerPool pool(1);
     const std::shared_ptr<const Scene> scene = make_scene(pool);
     const RenderScene rs(scene);
-    const CameraRays rays(camera_at(Vec3d(0, 1, 7), Vec3d(0)), scene->origin(), kSide, kSide);
+    const CameraRays rays(camera_at(Vec3d(0, 1, 7), Vec3d(0)), scene->origin(), kSide, kSide,
+                          Bounds{});
     const PathSettings settings;
     Tally tally;
     for (uint32_t y = 0; y < kSide; ++y) {

@@ -63,7 +63,8 @@ std::optional<Vec2f> screen_position(const ViewerModel& model, const PixelRect& 
                                      const Vec3d& point) {
     if (!model.scene) return std::nullopt;
     const Vec3d& origin = model.scene->origin();
-    const CameraRays rays(model.view.camera(), origin, model.settings.width, model.settings.height);
+    const CameraRays rays(model.view.camera(), origin, model.settings.width, model.settings.height,
+                          Bounds{});
     const std::optional<Vec2f> pixel = rays.project(Vec3f(point - origin));
     if (!pixel) return std::nullopt;
     const float scale_x =

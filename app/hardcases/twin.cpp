@@ -24,7 +24,7 @@ Result<twin::Comparison> compare(const Options& options, const SceneDesc& desc,
     if (!camera) return camera.error();
     const Resolution size = options.size.value_or(kTwinSize);
     budget = {size.width, size.height, options.frames.value_or(kTwinSamples)};
-    const PathSettings& settings = options.render;
+    const PathSettings settings = path_settings(options.render);
     PathSettings other = settings;
     ++other.seed;
     const auto own =

@@ -59,7 +59,7 @@ class CameraRays {
   public:
     // `bounds`, re-centred, of all that rays can hit: rays of a far camera begin near it, so that their rounding is that of the
     // scene's coordinates, not of the camera's. Empty: rays begin at the camera.
-    CameraRays(const Camera& camera, const Vec3d& scene_origin, uint32_t width, uint32_t height, const Bounds& bounds = {});
+    CameraRays(const Camera& camera, const Vec3d& scene_origin, uint32_t width, uint32_t height, const Bounds& bounds);
 
     // The ray through image position (px, py), pixels from the top left corner; lens in [0,1)^2. d has unit length. Everything is
     // calculated in double and rounded once.

@@ -19,7 +19,8 @@ class Contender {
     Contender(PreparedView view, const RenderSettings& settings)
         : view_(std::move(view)),
           path_(path_settings(settings)),
-          camera_(view_.camera, view_.given->origin(), settings.width, settings.height),
+          camera_(view_.camera, view_.given->origin(), settings.width, settings.height,
+                  view_.given->geometry().bounds),
           first_sample_(settings.first_sample),
           film_(settings.width, settings.height) {}
 

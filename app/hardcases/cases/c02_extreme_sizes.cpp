@@ -42,7 +42,7 @@ void orthographic(Worst& naive, Worst& own, double scale, Draw& draw) {
     // Where scenes of such a size are seen from: a thousand sizes off the world's origin.
     const Vec3d target(1000 * scale, 200 * scale, -3000 * scale);
     look_at(camera, target + Vec3d(3, 2, 5) * scale, target);
-    const CameraRays rays(camera, target, kPixels, kPixels);
+    const CameraRays rays(camera, target, kPixels, kPixels, Bounds{});
     for (int i = 0; i < 200; ++i) {
         const auto px = static_cast<float>(draw.between(0, kPixels));
         const auto py = static_cast<float>(draw.between(0, kPixels));

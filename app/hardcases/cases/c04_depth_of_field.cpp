@@ -51,10 +51,10 @@ CaseResult run(Effort effort) {
     Worst naive_parallel, own_parallel, naive_blur, own_blur;
     const Camera sharp = lens(0, 0);
     const Camera far = lens(0.1, std::numeric_limits<double>::infinity());
-    const CameraRays sharp_rays(sharp, Vec3d(0), kPixels, kPixels);
-    const CameraRays far_rays(far, Vec3d(0), kPixels, kPixels);
-    const CameraRays closed(lens(0, 2), Vec3d(0), kPixels, kPixels);
-    const CameraRays unfocused(lens(0.1, 0), Vec3d(0), kPixels, kPixels);
+    const CameraRays sharp_rays(sharp, Vec3d(0), kPixels, kPixels, Bounds{});
+    const CameraRays far_rays(far, Vec3d(0), kPixels, kPixels, Bounds{});
+    const CameraRays closed(lens(0, 2), Vec3d(0), kPixels, kPixels, Bounds{});
+    const CameraRays unfocused(lens(0.1, 0), Vec3d(0), kPixels, kPixels, Bounds{});
     for (int i = 0; i < count; ++i) {
         const auto px = static_cast<float>(draw.between(0, kPixels));
         const auto py = static_cast<float>(draw.between(0, kPixels));
@@ -77,10 +77,10 @@ CaseResult run(Effort effort) {
         const double distance = focus * draw.log_between(0.01, 100);
         if (std::abs(distance / focus - 1) < 0.05) continue;
         const Camera camera = lens(radius, focus);
-        const CameraRays rays(camera, camera.position, kPixels, kPixels);
+        const CameraRays rays(camera, camera.position, kPixels, kPixels, Bounds{});
         Camera placed = camera;
         placed.position = Vec3d(0);
-        const CameraRays centre(lens(0, 0), camera.position, kPixels, kPixels);
+        const CameraRays centre(lens(0, 0), camera.position, kPixels, kPixels, Bounds{});
         const Ray ray = rays.ray(px, py, u);
         const Ray middle = centre.ray(px, py, u);
         const Vec2d point(dot(Vec3d(ray.o), camera.right), dot(Vec3d(ray.o), camera.up));

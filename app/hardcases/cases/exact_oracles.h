@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/hardcases/cases/mesh_shapes.h"
+#include "app/hardcases/cases/quad_float.h"
 #include "core/geometry/accel.h"
 #include "core/geometry/local_ray.h"
 #include "core/geometry/triangle.h"
@@ -15,15 +16,7 @@
 
 namespace talbot::hardcases::geometry {
 
-__extension__ typedef __float128 Quad;
 __extension__ typedef __int128 Wide;
-
-inline Quad square_root(Quad x) {
-    if (!(x > 0)) return 0;
-    Quad r = std::sqrt(static_cast<long double>(x));
-    for (int i = 0; i < 3; ++i) r = (r + x / r) / 2;
-    return r;
-}
 
 // Triangles.
 

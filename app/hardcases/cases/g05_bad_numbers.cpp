@@ -123,7 +123,7 @@ Import imported(const MeshData& good) {
         import.pixels += differing_pixels(a, b);
         import.nonfinite += a.nonfinite;
         const Bounds poisoned = naive_bounds(pair.bad);
-        const CameraRays rays(camera, Vec3d(0), with.width, with.height);
+        const CameraRays rays(camera, Vec3d(0), with.width, with.height, Bounds{});
         for (uint32_t i = 0; i < with.width * with.height; ++i) {
             const Ray ray = rays.ray(static_cast<float>(i % with.width) + 0.5f,
                                      static_cast<float>(i / with.width) + 0.5f, Vec2f(0));

@@ -74,7 +74,7 @@ uint64_t rises(const std::vector<Vec3d>& line, const Light& light) {
 Band band_of(const Setup& setup, const RenderWith& with, CaseImages& images) {
     const Rendering own = render(setup.desc, setup.camera, with);
     const auto scene = Scene::build(setup.desc, workers());
-    const CameraRays rays(setup.camera, scene->origin(), with.width, with.height);
+    const CameraRays rays(setup.camera, scene->origin(), with.width, with.height, Bounds{});
     const Vec3f sun(setup.sun);
     images.own = own.image;
     images.naive = own.image;

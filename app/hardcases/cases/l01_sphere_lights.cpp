@@ -160,7 +160,7 @@ CaseImages picture(Effort effort, double& worst, uint64_t& nonfinite, WorkerPool
                      .image(false);
     images.naive = images.own;
     nonfinite += bad.total();
-    const CameraRays rays(camera, scene->origin(), kSize, kSize);
+    const CameraRays rays(camera, scene->origin(), kSize, kSize, Bounds{});
     for (uint32_t y = 0; y < kSize; ++y) {
         for (uint32_t x = 0; x < kSize; ++x) {
             const Ray ray =

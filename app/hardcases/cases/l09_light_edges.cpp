@@ -126,7 +126,7 @@ double brightest(WorkerPool& pool, uint32_t size, uint64_t passes, std::string& 
     builder.sphere(Vec3d(300, 700, 200), 3.6, builder.material(sun));
     const RenderScene scene(builder.build(pool));
     const Camera camera = camera_at(Vec3d(0, 1.5, 3), Vec3d(0, 0, 0), 0.5);
-    const CameraRays rays(camera, scene.scene().origin(), size, size);
+    const CameraRays rays(camera, scene.scene().origin(), size, size, Bounds{});
     PathSettings settings;
     settings.max_depth = 6;
     std::vector<double> worst(size);

@@ -72,7 +72,7 @@ ImageRgba naive_render(const SceneDesc& desc, const Camera& camera, const Render
                        float epsilon) {
     const auto scene = Scene::build(desc, workers());
     const LightTable lights(*scene);
-    const CameraRays rays(camera, scene->origin(), with.width, with.height);
+    const CameraRays rays(camera, scene->origin(), with.width, with.height, Bounds{});
     ImageRgba image;
     image.width = with.width;
     image.height = with.height;

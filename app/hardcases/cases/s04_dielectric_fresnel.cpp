@@ -3,6 +3,7 @@
 #include "app/hardcases/cases/quad_float.h"
 #include "app/hardcases/cases/shading_scene.h"
 #include "app/hardcases/cases/shading_setup.h"
+#include "core/accuracy/metrics.h"
 #include "oracles/scattering_cases.h"
 #include "oracles/stats/random.h"
 
@@ -163,7 +164,7 @@ CaseImages picture(double& naive_error, double& own_error, uint64_t& nonfinite) 
     const auto scene = with.build(pool);
     images.own = render_film(scene, camera, settings, kSize, kSize, 4, pool, -1, &bad).image(false);
     images.naive = clear;
-    const CameraRays rays(camera, scene->origin(), kSize, kSize);
+    const CameraRays rays(camera, scene->origin(), kSize, kSize, Bounds{});
     for (uint32_t y = 0; y < kSize; ++y) {
         for (uint32_t x = 0; x < kSize; ++x) {
             const Ray ray =
@@ -176,8 +177,8 @@ CaseImages picture(double& naive_error, double& own_error, uint64_t& nonfinite) 
             pixel = refracted_naively(ray.d, n, pixel);
         }
     }
-    naive_error = relmse(images.naive, clear);
-    own_error = relmse(images.own, clear);
+    naive_error = compare_images(images.naive, clear, 0).relmse;
+    own_error = compare_images(images.own, clear, 0).relmse;
     nonfinite = bad.total();
     images.scene_file_name = "s04-index-one.gltf";
     images.scene_gltf = gltf_text(with, camera);

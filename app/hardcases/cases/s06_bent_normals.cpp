@@ -104,7 +104,7 @@ Rgb naive_sample(const SurfaceInteraction& si, const Vec3f& n_geometric, const V
 ImageRgba naive_image(const SceneBuilder& builder, const Camera& camera, float alpha,
                       uint32_t samples, WorkerPool& pool) {
     const auto scene = builder.build(pool);
-    const CameraRays rays(camera, scene->origin(), kSize, kSize);
+    const CameraRays rays(camera, scene->origin(), kSize, kSize, Bounds{});
     ImageRgba image = blank_image(kSize, kSize);
     for (uint32_t y = 0; y < kSize; ++y) {
         for (uint32_t x = 0; x < kSize; ++x) {
@@ -146,11 +146,10 @@ void flat_map_points(double& naive, double& own) {
         si.shading = Frame::from_normal(sample_uniform_sphere(random.pair()));
         si.uv[0] = random.pair();
         const Vec3f n = si.shading.n;
-        Vec3f mapped = n;
-        mapped_normal<kFullTier>(*scene, scene->materials()[1].normal_texture, 1, si, mapped);
-        if (mapped != n) ++own;
-        const Vec4f texel = eval_slot<kFullTier>(*scene, scene->materials()[1].normal_texture, si,
-                                                 TextureEncoding::linear);
+        const TextureSlot& map = scene->materials()[1].normal_texture;
+        if (mapped_normal<kFullTier>(*scene, map, 1, uv_sets(si), n, Tangent{}) != n) ++own;
+        const Vec4f texel =
+            eval_slot<kFullTier>(*scene, map, uv_sets(si), TextureEncoding::linear);
         if (normalize(si.shading.to_world(2.0f * Vec3f(texel) - 1.0f)) != n) ++naive;
     }
 }

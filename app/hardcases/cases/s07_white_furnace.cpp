@@ -61,7 +61,7 @@ CaseImages picture(Effort effort, double& naive_worst, double& own_worst, uint64
     images.own =
         render_film(scene, camera, settings, kSize, kSize, passes, pool, -1, &bad).image(false);
     images.naive = blank_image(kSize, kSize);
-    const CameraRays rays(camera, scene->origin(), kSize, kSize);
+    const CameraRays rays(camera, scene->origin(), kSize, kSize, Bounds{});
     double own_sum[kBalls] = {};
     double naive_sum[kBalls] = {};
     double pixels[kBalls] = {};

@@ -81,7 +81,7 @@ std::vector<Map> maps() {
                         Camera camera;
                         camera.aperture_radius = 0.5;
                         camera.focus_distance = 4;
-                        static const CameraRays rays(camera, Vec3d(0), 8, 8);
+                        static const CameraRays rays(camera, Vec3d(0), 8, 8, Bounds{});
                         const Vec3d o(rays.ray(3.3f, 5.1f, u).o);
                         return Vec2d(4 * (o.x * o.x + o.y * o.y), turn(o.y, o.x));
                     }});

@@ -38,7 +38,7 @@ Exactness mirror_of_hot_sky(WorkerPool& pool, uint64_t passes, uint64_t& nonfini
     const LightTable lights(*scene);
     // Looks where the mirror shows the pixel: row 130 of 512, column 256 of 1024 (towards -z).
     const Camera camera = camera_at(Vec3d(0, 1, 1), Vec3d(0, 0, 0), 0.2);
-    const CameraRays rays(camera, scene->origin(), kSize, kSize);
+    const CameraRays rays(camera, scene->origin(), kSize, kSize, Bounds{});
     PathSettings settings;
     NonFiniteCount bad;
     const Film film = render_film(scene, camera, settings, kSize, kSize, passes, pool, -1, &bad);

@@ -138,7 +138,7 @@ CaseResult run(Effort effort) {
         if (!(plain.pixels()[i] == textured.pixels()[i])) ++differing;
     images.own = textured.image(false);
     images.naive = blank_image(kSize, kSize);
-    const CameraRays rays(camera, Vec3d(0), kSize, kSize);
+    const CameraRays rays(camera, Vec3d(0), kSize, kSize, Bounds{});
     for (uint32_t y = 0; y < kSize; ++y) {
         for (uint32_t x = 0; x < kSize; ++x) {
             const Ray ray =

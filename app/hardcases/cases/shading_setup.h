@@ -80,19 +80,6 @@ inline uint64_t case_seed(uint64_t stream) {
     return stream + run_settings().seed * 0x9E3779B97F4A7C15u;
 }
 
-// Relative squared error of an image, as everywhere in Talbot.
-inline double relmse(const ImageRgba& image, const ImageRgba& reference) {
-    double sum = 0;
-    for (std::size_t i = 0; i < image.rgb.size(); ++i) {
-        for (int c = 0; c < 3; ++c) {
-            const double r = static_cast<double>(reference.rgb[i][c]);
-            const double e = static_cast<double>(image.rgb[i][c]) - r;
-            sum += e * e / (r * r + 0.01);
-        }
-    }
-    return sum / (3.0 * static_cast<double>(image.rgb.size()));
-}
-
 inline ImageRgba blank_image(uint32_t width, uint32_t height) {
     ImageRgba image;
     image.width = width;

@@ -134,7 +134,7 @@ CaseImages picture(Effort effort, double& naive_error, uint64_t& nonfinite, Work
     nonfinite += bad.total();
     // The control gives up after 8 events.
     images.naive = blank_image(kSize, kSize);
-    const CameraRays rays(camera, scene->origin(), kSize, kSize);
+    const CameraRays rays(camera, scene->origin(), kSize, kSize, Bounds{});
     const Medium medium = medium_of(scene->materials()[1]);
     const HenyeyGreenstein phase(0.5f);
     stats::Random random(case_seed(3));
