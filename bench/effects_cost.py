@@ -108,15 +108,13 @@ def main():
     if options.json and options.json.exists():
         rows = {row["effect"]: row for row in json.loads(options.json.read_text())["rows"]}
     start = time.monotonic()
-    counts, lock = {}, threading.Lock()
+    lock, room_locks, counts = threading.Lock(), {room: threading.Lock() for room in ROOMS}, {}
 
     def shipped(room):
-        with lock:
-            mine = counts.setdefault(room, threading.Lock())
-        with mine:
-            if (room, "count") not in counts:
-                counts[room, "count"] = instructions(program, room)
-        return counts[room, "count"]
+        with room_locks[room]:
+            if room not in counts:
+                counts[room] = instructions(program, room)
+            return counts[room]
 
     def measure(name):
         room = ROOM_OF[name]
@@ -130,9 +128,10 @@ def main():
         count = instructions(without, room)
         same = json.loads(run([str(without), room, "64"]))["film_hash"] == about["film_hash"]
         ratio = shipped(room) / count
+        row = {"effect": name, "room": room, "kernel": about["kernel"], "shipped": shipped(room), "without": count,
+               "ratio": ratio, "same_film": same, "within": ratio <= LIMIT and same}
         with lock:
-            rows[name] = {"effect": name, "room": room, "kernel": about["kernel"], "shipped": shipped(room), "without": count,
-                          "ratio": ratio, "same_film": same, "within": ratio <= LIMIT and same}
+            rows[name] = row
             print(f"{name}: {ratio:.4f}", file=sys.stderr, flush=True)
             if options.json:
                 options.json.write_text(json.dumps({"limit": LIMIT, "rows": list(rows.values())}, indent=2) + "\n")

@@ -87,6 +87,12 @@ class Bsdf {
         if constexpr (kSheen) p -= sheen_.p;
         return p;
     }
+    // Whether diffuse light may leave on the other side.
+    bool passes_diffuse() const {
+        if constexpr (kThrough && (kGlossy || kGlass))
+            return p_glass_ < 1 && opaque_->through_probability() > 0;
+        return false;
+    }
     void add_specular(const Vec3f& wi_local, BsdfEval& sum) const;
     void add_diffuse(float cos_i, bool through, BsdfEval& sum) const;
     void add_sheen(const Vec3f& wi_local, BsdfEval& sum) const;
@@ -285,7 +291,7 @@ BsdfEval Bsdf<kTier>::eval(const Vec3f& wi) const {
         add_diffuse(wi_local.z, false, sum);
         add_sheen(wi_local, sum);
         add_coat(wi, sum);
-    } else if (kThrough && wi_local.z < 0) {
+    } else if (passes_diffuse() && wi_local.z < 0) [[unlikely]] {
         add_diffuse(-wi_local.z, true, sum);
     }
     return sum;
@@ -317,7 +323,7 @@ BsdfEval Bsdf<kTier>::eval_tilted(const Vec3f& wi) const {
         add_sheen(direct, sum);
         add_sheen(folded, sum);
         add_coat(wi, sum);
-    } else if (kThrough && cos_i < 0) {
+    } else if (passes_diffuse() && cos_i < 0) [[unlikely]] {
         add_diffuse(-cos_i, true, sum);
     }
     return sum;

@@ -151,7 +151,8 @@ class OpaqueLayer {
         const float escaping = std::max(1 - dielectric_albedo(cos_i), 0.0f);
         if constexpr (kThrough) {
             const float p = through_.p;
-            if (through) return {(escaping * cos_i) * through_.diffuse, p * (cos_i * kInvPi)};
+            if (through) [[unlikely]]
+                return {(escaping * cos_i) * through_.diffuse, p * (cos_i * kInvPi)};
             return {(escaping * cos_i) * diffuse_, (1 - p) * (cos_i * kInvPi)};
         }
         return {(escaping * cos_i) * diffuse_, cos_i * kInvPi};
@@ -240,7 +241,7 @@ class OpaqueLayer {
             Rgb reflected = enters * m.base_color;
             diffuse_share = mean_component(reflected);
             if constexpr (kThrough) {
-                if (m.diffuse_transmission > 0) {
+                if (m.diffuse_transmission > 0) [[unlikely]] {
                     reflected = (1 - m.diffuse_transmission) * reflected;
                     const Rgb through =
                         (enters * m.diffuse_transmission) * m.diffuse_transmission_color;
