@@ -2,6 +2,7 @@
 // take, and boxes of parts that hold all of the triangle.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -124,11 +125,12 @@ TEST(Cuts, TreeDoesNotDependOnThreads) {
     }
 }
 
-// Points of the triangle lie in the box of their side, and those of earlier cuts in what is left.
+// Points of the triangle lie in the box of their side, well inside unless earlier cuts end there.
 TEST(Cuts, PartsHoldTheirSide) {
     Rng rng(5);
     uint64_t outside = 0;
     uint64_t smaller = 0;
+    uint64_t crossings = 0;
     constexpr int kRuns = 20000;
     for (int run = 0; run < kRuns; ++run) {
         const float size = std::exp2(rng.uniform(-20, 20));
@@ -137,6 +139,8 @@ TEST(Cuts, PartsHoldTheirSide) {
         const MeshData mesh{{corner(), corner(), corner()}, {0, 1, 2}};
         StoredTriangle t;
         if (!load_triangle({mesh.positions, mesh.indices}, 0, t)) continue;
+        // What rounding may shift a hit.
+        const double margin = 0x1p-22 * t.extent;
         Box box;
         for (const Vec3f& p : mesh.positions) {
             const Float4 corner_of{p.x, p.y, p.z, 0};
@@ -148,17 +152,34 @@ TEST(Cuts, PartsHoldTheirSide) {
                 box.lower[axis] + rng.uniform() * (box.upper[axis] - box.lower[axis]);
             Box parts[2];
             cut_triangle(t, box, axis, plane, parts[0], parts[1]);
-            for (int k = 0; k < 20; ++k) {
+            const auto check = [&](const Vec3d& p, const Box& part) {
+                for (int i = 0; i < 3; ++i) {
+                    if (p[i] < box.lower[i] || p[i] > box.upper[i]) return;
+                }
+                for (int i = 0; i < 3; ++i) {
+                    outside += part.lower[i] > std::max<double>(box.lower[i], p[i] - margin) ||
+                               part.upper[i] < std::min<double>(box.upper[i], p[i] + margin);
+                }
+            };
+            const Vec3d corners[3] = {Vec3d(t.a), Vec3d(t.b), Vec3d(t.c)};
+            for (int k = 0; k < 10; ++k) {
                 const double u = rng.uniform();
                 const double v = rng.uniform() * (1 - u);
-                const Vec3d a(t.a);
-                const Vec3d p = a + u * (Vec3d(t.b) - a) + v * (Vec3d(t.c) - a);
-                bool inside = true;
-                for (int i = 0; i < 3; ++i) inside &= p[i] >= box.lower[i] && p[i] <= box.upper[i];
-                if (!inside) continue;
-                const Box& part = parts[p[axis] <= plane ? 0 : 1];
-                for (int i = 0; i < 3; ++i)
-                    outside += !(p[i] >= part.lower[i] && p[i] <= part.upper[i]);
+                const Vec3d p =
+                    corners[0] + u * (corners[1] - corners[0]) + v * (corners[2] - corners[0]);
+                check(p, parts[p[axis] <= plane ? 0 : 1]);
+            }
+            // The outermost points of the parts: corners, and where edges meet the plane.
+            for (int k = 0; k < 3; ++k) {
+                const Vec3d& a = corners[k];
+                const Vec3d e = corners[(k + 1) % 3] - a;
+                if (a[axis] <= plane) check(a, parts[0]);
+                if (a[axis] >= plane) check(a, parts[1]);
+                const double share = (plane - a[axis]) / e[axis];
+                if (!(share > 0 && share < 1)) continue;
+                check(a + share * e, parts[0]);
+                check(a + share * e, parts[1]);
+                ++crossings;
             }
             smaller += parts[0].half_area() < box.half_area();
             const Box& next = parts[rng.below(2)];
@@ -167,6 +188,7 @@ TEST(Cuts, PartsHoldTheirSide) {
         }
     }
     EXPECT_EQ(outside, 0u);
+    EXPECT_GT(crossings, static_cast<uint64_t>(kRuns));
     EXPECT_GT(smaller, static_cast<uint64_t>(kRuns));
 }
 
