@@ -2,10 +2,14 @@
 // triangles and instances where it is installed.
 #pragma once
 
+#include <malloc.h>
 #include <time.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <string>
 #include <thread>
@@ -27,12 +31,37 @@ inline double thread_seconds() {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+// Bytes of memory that the process holds at the moment, and the most since the last call of
+// forget_peak_memory; 0 where the system does not tell.
+inline double memory_field(const char* name) {
+    std::ifstream file("/proc/self/status");
+    for (std::string line; std::getline(file, line);) {
+        if (line.rfind(name, 0) == 0) return 1024 * std::atof(line.c_str() + line.find(':') + 1);
+    }
+    return 0;
+}
+inline void forget_peak_memory() {
+    std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+// What `build` gives, and how much memory more than before it took at most.
+template <class Build>
+auto build_watched(double& peak_bytes, const Build& build) {
+    malloc_trim(0);
+    forget_peak_memory();
+    const double before = memory_field("VmRSS");
+    auto built = build();
+    peak_bytes = std::max(0.0, memory_field("VmHWM") - before);
+    return built;
+}
+
 // One engine with one scene: traces a range of rays and returns how many hit.
 struct Engine {
     std::string name;
     std::function<uint64_t(const Ray* rays, size_t count, bool any)> trace;
     double build_seconds = 0;
     double bytes = 0;
+    double peak_bytes = 0;  // while it was built
 };
 
 inline uint64_t trace_talbot(const Accel& accel, const Ray* rays, size_t count, bool any) {
@@ -51,7 +80,7 @@ inline Engine talbot_engine(const std::string& name, const Accel& accel) {
             [&accel](const Ray* rays, size_t count, bool any) {
                 return trace_talbot(accel, rays, count, any);
             },
-            accel.stats().build_seconds, static_cast<double>(accel.stats().bytes)};
+            accel.stats().build_seconds, static_cast<double>(accel.stats().bytes), 0};
 }
 
 #if TALBOT_BENCH_EMBREE
@@ -127,7 +156,7 @@ class EmbreeScene {
     Engine engine(const std::string& name) const {
         return {name,
                 [this](const Ray* rays, size_t count, bool any) { return trace(rays, count, any); },
-                seconds_, built_bytes_};
+                seconds_, built_bytes_, 0};
     }
 
   private:

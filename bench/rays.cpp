@@ -1,7 +1,8 @@
-// Rays per second, build time and memory of Talbot's structure against Embree's in its default, its
-// robust and its high-quality mode: same triangles, same rays, one process, single-ray calls, runs
-// interleaved, medians. Rates are per second of each thread's own processor time. Then what the
-// structure is worth beside testing everything, and how cost grows with the number of triangles.
+// Rays per second, build time and memory of Talbot's structure, built well and built fast, against
+// Embree's in its default, its robust and its high-quality mode: same triangles, same rays, one
+// process, single-ray calls, runs interleaved, medians. Rates are per second of each thread's own
+// processor time. Then what the structure is worth beside testing everything, and how cost grows
+// with the number of triangles.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -46,6 +47,7 @@ struct Build {
     uint64_t triangles = 0;
     std::vector<double> seconds;
     std::vector<double> bytes;
+    std::vector<double> peak_bytes;
 };
 
 struct Report {
@@ -107,17 +109,32 @@ void measure(const std::vector<Engine>& engines, const Options& options,
 
 void run_scene(const BenchScene& scene, const Options& options, Report& report) {
     WorkerPool pool(2);
-    const auto accel = build_accel(scene.data.input(BuildQuality::high), pool);
-    const RaySets sets = make_ray_sets(scene, *accel, options.quick ? 256 : 1024);
-    std::vector<Engine> engines{talbot_engine("Talbot", *accel)};
+    std::vector<Engine> engines;
+    const auto build_talbot = [&](const char* name, BuildQuality quality) {
+        double peak = 0;
+        auto built =
+            build_watched(peak, [&] { return build_accel(scene.data.input(quality), pool); });
+        engines.push_back(talbot_engine(name, *built));
+        engines.back().peak_bytes = peak;
+        return built;
+    };
+    const auto accel = build_talbot("Talbot", BuildQuality::high);
+    const auto fast = build_talbot("Talbot fast", BuildQuality::fast);
 #if TALBOT_BENCH_EMBREE
-    const EmbreeScene plain(scene.data, RTC_SCENE_FLAG_NONE, RTC_BUILD_QUALITY_MEDIUM);
-    const EmbreeScene robust(scene.data, RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_MEDIUM);
-    const EmbreeScene high(scene.data, RTC_SCENE_FLAG_NONE, RTC_BUILD_QUALITY_HIGH);
-    engines.push_back(plain.engine("Embree"));
-    engines.push_back(robust.engine("Embree robust"));
-    engines.push_back(high.engine("Embree high"));
+    const auto build_embree = [&](const char* name, RTCSceneFlags flags, RTCBuildQuality quality) {
+        double peak = 0;
+        auto built = build_watched(
+            peak, [&] { return std::make_unique<EmbreeScene>(scene.data, flags, quality); });
+        engines.push_back(built->engine(name));
+        engines.back().peak_bytes = peak;
+        return built;
+    };
+    const auto plain = build_embree("Embree", RTC_SCENE_FLAG_NONE, RTC_BUILD_QUALITY_MEDIUM);
+    const auto robust =
+        build_embree("Embree robust", RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_MEDIUM);
+    const auto high = build_embree("Embree high", RTC_SCENE_FLAG_NONE, RTC_BUILD_QUALITY_HIGH);
 #endif
+    const RaySets sets = make_ray_sets(scene, *accel, options.quick ? 256 : 1024);
     if (report.engines.empty()) {
         for (const Engine& engine : engines) report.engines.push_back(engine.name);
         std::string head = "| scene | rays | threads |";
@@ -127,10 +144,11 @@ void run_scene(const BenchScene& scene, const Options& options, Report& report) 
         for (size_t e = 0; e < 2 * engines.size() - 1; ++e) rule += "---|";
         std::printf("\nMrays/s\n\n%s\n%s\n", head.c_str(), rule.c_str());
     }
-    Build build{scene.name, accel->stats().triangles, {}, {}};
+    Build build{scene.name, accel->stats().triangles, {}, {}, {}};
     for (const Engine& engine : engines) {
         build.seconds.push_back(engine.build_seconds);
         build.bytes.push_back(engine.bytes);
+        build.peak_bytes.push_back(engine.peak_bytes);
     }
     report.builds.push_back(std::move(build));
     for (const unsigned threads : {1u, 2u}) {
@@ -160,17 +178,21 @@ void print_means(const Report& report) {
 }
 
 void print_builds(const Report& report) {
-    std::printf("\nBuild with 2 threads, ms; memory of the structure, bytes per triangle\n\n");
+    std::printf(
+        "\nBuild with 2 threads, ms; bytes per triangle of the structure and, on top of the "
+        "triangles, at most while it is built\n\n");
     std::printf("| scene | triangles |");
-    for (const std::string& name : report.engines) std::printf(" %s | bytes |", name.c_str());
+    for (const std::string& name : report.engines)
+        std::printf(" %s | bytes | peak |", name.c_str());
     std::printf("\n|---|---|");
-    for (size_t e = 0; e < report.engines.size(); ++e) std::printf("---|---|");
+    for (size_t e = 0; e < report.engines.size(); ++e) std::printf("---|---|---|");
     for (const Build& build : report.builds) {
         std::printf("\n| %s | %llu |", build.scene.c_str(),
                     static_cast<unsigned long long>(build.triangles));
         for (size_t e = 0; e < build.seconds.size(); ++e) {
-            std::printf(" %.1f | %.0f |", 1e3 * build.seconds[e],
-                        build.bytes[e] / static_cast<double>(build.triangles));
+            const auto triangles = static_cast<double>(build.triangles);
+            std::printf(" %.1f | %.0f | %.0f |", 1e3 * build.seconds[e], build.bytes[e] / triangles,
+                        build.peak_bytes[e] / triangles);
         }
     }
     std::printf("\n");
@@ -208,32 +230,40 @@ void run_speedups(const Options& options, Report& report) {
 // Spheres of more and more triangles: rays per second and build time per triangle.
 void run_growth(const Options& options, Report& report) {
     std::printf("\nGrowth (displaced sphere, 1 thread, Mrays/s; build with 2 threads)\n\n");
-    std::printf("| triangles | primary | diffuse | build ns per triangle | bytes per triangle |\n");
-    std::printf("|---|---|---|---|---|\n");
+    std::printf(
+        "| triangles | primary | ao | diffuse | fast build, ns per triangle | high | bytes |\n");
+    std::printf("|---|---|---|---|---|---|---|\n");
     for (const uint32_t n : {9u, 29u, 91u, 289u, 913u}) {
         if (options.quick && n > 289) break;
         const BenchScene scene{"growth",
                                test::scene_of(test::displaced_sphere(n, 0.1f)),
                                {Vec3f(0.5f, 1, 2.5f), Vec3f(0), 45}};
         WorkerPool pool(2);
+        const double fast_seconds =
+            build_accel(scene.data.input(BuildQuality::fast), pool)->stats().build_seconds;
         const auto accel = build_accel(scene.data.input(), pool);
         const RaySets sets = make_ray_sets(scene, *accel, 256);
         std::vector<double> primary;
+        std::vector<double> ao;
         std::vector<double> diffuse;
         uint64_t hits = 0;
         for (int round = 0; round < options.rounds; ++round) {
             primary.push_back(rate(talbot_engine("", *accel), sets.primary, false, 1, hits));
+            ao.push_back(rate(talbot_engine("", *accel), sets.ao, true, 1, hits));
             diffuse.push_back(rate(talbot_engine("", *accel), sets.diffuse, false, 1, hits));
         }
         const auto triangles = static_cast<double>(accel->stats().triangles);
+        const double fast_ns = 1e9 * fast_seconds / triangles;
         const double ns = 1e9 * accel->stats().build_seconds / triangles;
         const double bytes = static_cast<double>(accel->stats().bytes) / triangles;
-        std::printf("| %.0f | %.2f | %.2f | %.0f | %.0f |\n", triangles, median(primary),
-                    median(diffuse), ns, bytes);
+        std::printf("| %.0f | %.2f | %.2f | %.2f | %.0f | %.0f | %.0f |\n", triangles,
+                    median(primary), median(ao), median(diffuse), fast_ns, ns, bytes);
         std::fflush(stdout);
         report.growth.push_back({{"triangles", accel->stats().triangles},
                                  {"primary_mrays_per_second", median(primary)},
+                                 {"ao_mrays_per_second", median(ao)},
                                  {"diffuse_mrays_per_second", median(diffuse)},
+                                 {"fast_build_ns_per_triangle", fast_ns},
                                  {"build_ns_per_triangle", ns},
                                  {"bytes_per_triangle", bytes}});
     }
@@ -254,7 +284,8 @@ bool write_json(const std::string& file, const Report& report) {
     for (const Build& b : report.builds) {
         json engines;
         for (size_t e = 0; e < b.seconds.size(); ++e)
-            engines[report.engines[e]] = {{"seconds", b.seconds[e]}, {"bytes", b.bytes[e]}};
+            engines[report.engines[e]] = {
+                {"seconds", b.seconds[e]}, {"bytes", b.bytes[e]}, {"peak_bytes", b.peak_bytes[e]}};
         out["builds"].push_back(
             {{"scene", b.scene}, {"triangles", b.triangles}, {"engines", engines}});
     }

@@ -57,6 +57,7 @@ Result<LoadedScene> load_scene(const std::filesystem::path& file, std::stop_toke
 
     WorkerPool pool(threads);
     SceneBuildOptions build;
+    build.quality = BuildQuality::fast;
     build.stop = stop;
     build.progress = [&](float fraction) {
         if (progress) progress(fraction, "building");
