@@ -104,9 +104,11 @@ ordered_json summary_json(const CalibrationSummary& s) {
             {"estimate_over_truth", s.ratio},
             {"interval_log_width", s.mean_width},
             {"predictions", s.predictions},
+            {"predictions_firm", s.predictions_firm},
             {"predictions_close", s.predictions_close},
             {"predictions_close_in_seconds", s.predictions_close_seconds},
             {"predictions_inside", s.predictions_inside},
+            {"all_predictions_close", s.all_predictions_close},
             {"actual_over_predicted", s.prediction_ratio},
             {"stops", s.stops},
             {"stops_kept", s.stops_kept},
@@ -117,18 +119,29 @@ ordered_json summary_json(const CalibrationSummary& s) {
 }
 
 void print_header() {
-    std::printf("%-26s %7s %9s %11s %7s %12s %11s %10s %7s %11s  %s\n", "scene", "claims",
-                "coverage", "est./truth", "width", "pred. close", "by seconds", "act./pred.",
-                "stop", "brightness", "green/amber/red");
+    std::printf("%-26s %7s %9s %11s %7s %10s %9s %12s %11s %10s %7s %11s  %s\n", "scene", "claims",
+                "coverage", "est./truth", "width", "pred. band", "firm", "firm close", "by seconds",
+                "act./pred.", "stop", "brightness", "green/amber/red");
+}
+
+std::string percent_or_dash(double share, std::size_t of) {
+    char text[32] = "-";
+    if (of > 0) std::snprintf(text, sizeof(text), "%.1f %%", 100 * share);
+    return text;
 }
 
 void print_row(const std::string& name, const CalibrationSummary& s) {
-    std::printf(
-        "%-26s %7zu %7.1f %% %11.3f %5.1f %% %10.1f %% %9.1f %% %10.3f %7.3f %+9.2f %%  "
-        "%3.0f/%3.0f/%3.0f %%\n",
-        name.c_str(), s.claims, 100 * s.coverage, s.ratio, 100 * (std::exp(0.5 * s.mean_width) - 1),
-        100 * s.predictions_close, 100 * s.predictions_close_seconds, s.prediction_ratio,
-        s.stop_ratio, s.stop_brightness_percent, 100 * s.green, 100 * s.amber, 100 * s.red);
+    const std::string firm =
+        std::to_string(s.predictions_firm) + "/" + std::to_string(s.predictions);
+    std::printf("%-26s %7zu %9s %11.3f %5.1f %% %10s %9s %12s %11s %10.3f %7.3f %+9.2f %%  "
+                "%3.0f/%3.0f/%3.0f %%\n",
+                name.c_str(), s.claims, percent_or_dash(s.coverage, s.claims).c_str(), s.ratio,
+                100 * (std::exp(0.5 * s.mean_width) - 1),
+                percent_or_dash(s.predictions_inside, s.predictions).c_str(), firm.c_str(),
+                percent_or_dash(s.predictions_close, s.predictions_firm).c_str(),
+                percent_or_dash(s.predictions_close_seconds, s.predictions_firm).c_str(),
+                s.prediction_ratio, s.stop_ratio, s.stop_brightness_percent, 100 * s.green,
+                100 * s.amber, 100 * s.red);
     std::fflush(stdout);
 }
 

@@ -76,6 +76,7 @@ void claim_predictions(const std::vector<Milestone>& milestones, uint64_t seed, 
             claim.predicted_seconds = claim.predicted * cost;
             claim.actual_seconds = milestones[j].cpu_seconds;
             claim.trust = e.trust;
+            claim.firm = p.firm;
             calibration.predictions.push_back(claim);
         }
     }
@@ -90,6 +91,13 @@ class StopRule {
 
     bool is_done() const { return open_.empty(); }
 
+    // Targets that never led to a claim.
+    std::vector<double> unclaimed() const {
+        std::vector<double> targets = open_;
+        targets.insert(targets.end(), too_early_.begin(), too_early_.end());
+        return targets;
+    }
+
     void follow(MeasuredRender& render, bool to_next, std::vector<StopClaim>& stops) {
         const uint64_t n = render.samples();
         const Trust trust = render.tracker().estimate().trust;
@@ -100,7 +108,10 @@ class StopRule {
             if (stop == 0 && to_next) stop = stop_within(tracker, n, target);
             if (stop == 0) return false;
             // A target that is met before the first milestone says nothing about the rule.
-            if (stop <= from_) return true;
+            if (stop <= from_) {
+                too_early_.push_back(target);
+                return true;
+            }
             render.render_unobserved(stop);
             stops.push_back({seed_, stop, target,
                              true_error_percent(render.film(), reference_, exposure_ev_),
@@ -111,6 +122,7 @@ class StopRule {
 
   private:
     std::vector<double> open_{std::begin(kTargets), std::end(kTargets)};
+    std::vector<double> too_early_;
     const uint64_t from_, seed_;
     const double exposure_ev_;
     const Reference& reference_;
@@ -147,6 +159,9 @@ void claim_seed(const AccuracyScene& scene, const RenderSettings& settings, cons
         }
         stop_rule.follow(render, n < plan.stop_to, calibration.stops);
     }
+    const std::vector<double> unclaimed = stop_rule.unclaimed();
+    calibration.open_targets.insert(calibration.open_targets.end(), unclaimed.begin(),
+                                    unclaimed.end());
     claim_predictions(milestones, settings.seed, plan.from, calibration);
 }
 

@@ -160,6 +160,7 @@ std::string run_record_json(const RunRecord& record) {
         const ErrorEstimate::Prediction p = s.error.seconds_to(*record.target_error_percent);
         if (p.valid) {
             j["prediction"] = {{"target_percent", *record.target_error_percent},
+                               {"firm", p.firm},
                                {"seconds", p.seconds},
                                {"lo95", p.lo95},
                                {"hi95", p.hi95}};

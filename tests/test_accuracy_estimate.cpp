@@ -1,6 +1,7 @@
 // The stated error against the true one, on synthetic renders whose means are known exactly.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -150,6 +151,104 @@ TEST(Accuracy, RareBrightPathsTurnTheLightRed) {
     if (e.trust == Trust::red) {
         EXPECT_FALSE(e.seconds_to(e.relrmse_percent / 2).valid);
     }
+}
+
+// A picture in which one sample of `odds` is that much brighter than nothing.
+ErrorTracker sparse_picture(uint32_t size, uint64_t samples, double odds) {
+    Film film(size, size);
+    NonFiniteCount counts;
+    ErrorTracker tracker;
+    tracker.reset(0);
+    std::mt19937 random(5);
+    std::bernoulli_distribution found(1 / odds);
+    for (uint64_t n = 0; n < samples; ++n) {
+        for (uint32_t y = 0; y < size; ++y)
+            for (uint32_t x = 0; x < size; ++x)
+                film.add(x, y, Rgb(found(random) ? static_cast<float>(odds) : 0.0f), true, n,
+                         counts);
+        tracker.observe(film, n + 1, static_cast<double>(n + 1));
+    }
+    return tracker;
+}
+
+TEST(Accuracy, AnImageOfUnknownBrightnessIsNotGreen) {
+    // The standard deviation of the brightness is sqrt((odds - 1) / samples) / size.
+    const ErrorTracker small = sparse_picture(32, 64, 50);
+    EXPECT_NEAR(small.estimate().brightness_sd, std::sqrt(49 / 64.0) / 32, 0.2 / 32);
+    EXPECT_EQ(small.estimate().trust, Trust::amber) << small.estimate().why;
+    const ErrorTracker large = sparse_picture(256, 64, 50);
+    EXPECT_NEAR(large.estimate().brightness_sd, std::sqrt(49 / 64.0) / 256, 0.2 / 256);
+    EXPECT_EQ(large.estimate().trust, Trust::green) << large.estimate().why;
+}
+
+TEST(Accuracy, FirmPredictionsAreKept) {
+    int firm = 0, kept = 0, all = 0;
+    for (const synthetic::Scene& scene : synthetic::scenes()) {
+        for (uint32_t seed = 0; seed < 2; ++seed) {
+            Picture picture(scene, 64, true, 101 * seed + 7);
+            ErrorTracker tracker;
+            tracker.reset(0);
+            std::vector<ErrorEstimate> estimates;
+            std::vector<double> truths;
+            for (uint64_t n = 1; n <= 256; n *= 2) {
+                picture.render_until(n);
+                tracker.observe(picture.film, n, static_cast<double>(n));
+                if (n < 16) continue;
+                estimates.push_back(tracker.estimate());
+                truths.push_back(100 * std::sqrt(picture.true_relmse()));
+            }
+            for (std::size_t i = 0; i < estimates.size(); ++i) {
+                for (std::size_t j = i + 1; j < estimates.size(); ++j) {
+                    const ErrorEstimate::Prediction p = estimates[i].seconds_to(truths[j]);
+                    ++all;
+                    if (!p.firm) continue;
+                    ++firm;
+                    EXPECT_EQ(estimates[i].trust, Trust::green);
+                    const double ratio =
+                        estimates[j].seconds / (estimates[i].seconds + p.seconds);
+                    kept += PredictionClaim::within(ratio) ? 1 : 0;
+                }
+            }
+        }
+    }
+    std::printf("%d of %d predictions are firm, %d of these kept\n", firm, all, kept);
+    EXPECT_GT(firm, all / 8);
+    EXPECT_GE(kept, 0.9 * firm);
+}
+
+TEST(Accuracy, OnlyFirmPredictionsArePromised) {
+    Calibration c;
+    c.errors.push_back({0, 64, 5, 4, 6, 5, 1, Trust::green});
+    for (uint64_t i = 0; i < 100; ++i) {
+        PredictionClaim claim;
+        claim.predicted = 100;
+        claim.actual = i % 3 == 0 ? 150 : 100;
+        claim.trust = Trust::green;
+        claim.firm = i % 3 != 0;
+        c.predictions.push_back(claim);
+    }
+    const auto broken = [&] {
+        const std::vector<std::string> lines = broken_promises(summarise({&c}), true);
+        return std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
+            return line.find("firm predictions") != std::string::npos;
+        });
+    };
+    EXPECT_FALSE(broken());
+    EXPECT_NEAR(summarise({&c}).all_predictions_close, 0.66, 1e-9);
+    for (PredictionClaim& claim : c.predictions) claim.firm = true;
+    EXPECT_TRUE(broken());
+}
+
+TEST(Accuracy, StopsThatWereChosenSayNothingOfBrightness) {
+    Calibration c;
+    for (uint64_t seed = 0; seed < 10; ++seed) {
+        c.stops.push_back({seed, 64, 50, 45, -3, Trust::green});
+        c.stops.push_back({seed, 64, 20, 18, 0.1, Trust::green});
+    }
+    EXPECT_LT(summarise({&c}).stop_brightness_percent, -1);
+    EXPECT_FALSE(broken_promises(summarise({&c}), false).empty());
+    c.open_targets = {50};
+    EXPECT_NEAR(summarise({&c}).stop_brightness_percent, 0.1, 1e-9);
 }
 
 TEST(Accuracy, PackedDifferencesKeepTheirMeanSquare) {

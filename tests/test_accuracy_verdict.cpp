@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "core/accuracy/efficiency_verdict.h"
@@ -27,15 +28,17 @@ class Comparison {
         return result;
     }
 
-    // Load that comes and goes and hits both sides, and noise of each.
-    std::vector<TimePair> times(double b_over_a, int count) {
+    // Load that comes and goes and hits both sides, load that lasts for some pairs and hits one
+    // (of standard deviation `lasting`), and noise of each.
+    std::vector<TimePair> times(double b_over_a, int count, double lasting = 0) {
         std::normal_distribution<double> normal;
         std::vector<TimePair> pairs;
-        double load = 0;
+        double load = 0, of_one = 0;
         for (int i = 0; i < count; ++i) {
             load = 0.9 * load + 0.2 * normal(random_);
+            of_one = 0.7 * of_one + 0.7 * lasting * normal(random_);
             const double both = std::exp(load);
-            pairs.push_back({both * std::exp(0.05 * normal(random_)),
+            pairs.push_back({both * std::exp(of_one + 0.05 * normal(random_)),
                              b_over_a * both * std::exp(0.05 * normal(random_))});
         }
         return pairs;
@@ -46,14 +49,15 @@ class Comparison {
 };
 
 // Share of runs with that winner, at any of `looks` looks with ever better figures.
-double share_won(Winner winner, double error_ratio, double time_ratio, int runs, int looks) {
+double share_won(Winner winner, double error_ratio, double time_ratio, int runs, int looks,
+                 double lasting = 0) {
     int won = 0;
     for (int run = 0; run < runs; ++run) {
         Comparison c(static_cast<uint32_t>(run) + 1);
         bool seen = false;
         for (int look = 1; look <= looks; ++look) {
             const auto blocks = c.blocks(error_ratio, 20.0 * look);
-            const auto times = c.times(time_ratio, 20 * look);
+            const auto times = c.times(time_ratio, 20 * look, lasting);
             const EfficiencyVerdict v =
                 compare_efficiency(blocks, times, static_cast<uint64_t>(look));
             seen = seen || v.winner == winner;
@@ -67,6 +71,25 @@ TEST(AccuracyVerdict, AgainstItselfNothingWinsInMoreThanOneOfTwenty) {
     const double wrong = share_won(Winner::a, 1, 1, 400, 6) + share_won(Winner::b, 1, 1, 400, 6);
     std::printf("a winner in %.1f %% of runs\n", 100 * wrong);
     EXPECT_LE(wrong, 0.05);
+}
+
+TEST(AccuracyVerdict, LoadThatLastsIsNoDifference) {
+    const double wrong =
+        share_won(Winner::a, 1, 1, 300, 6, 0.1) + share_won(Winner::b, 1, 1, 300, 6, 0.1);
+    std::printf("a winner in %.1f %% of runs\n", 100 * wrong);
+    EXPECT_LE(wrong, 0.05);
+}
+
+TEST(AccuracyVerdict, StudentQuantilesAreThoseOfTables) {
+    const double table[][3] = {{0.05, 1, 12.706}, {0.05, 2, 4.303}, {0.05, 3, 3.182},
+                               {0.01, 5, 4.032},  {0.002, 4, 7.173}, {0.001, 7, 5.408},
+                               {0.05, 30, 2.042}, {0.1, 1e9, 1.6449}};
+    for (const auto& [probability, freedom, quantile] : table)
+        EXPECT_NEAR(student_quantile(probability, freedom) / quantile, 1, 0.002) << freedom;
+    EXPECT_NEAR(student_quantile(0.05, std::numeric_limits<double>::infinity()), 1.95996, 1e-4);
+    double all = 0;
+    for (uint64_t look = 1; look <= 10000; ++look) all += level_of_look(0.05, look);
+    EXPECT_NEAR(all, 0.05, 1e-5);
 }
 
 TEST(AccuracyVerdict, ATenthOfWastedSamplesIsFound) {
@@ -97,10 +120,10 @@ TEST(AccuracyVerdict, SaysItInWords) {
     const std::vector<BlockVariances> better(100, BlockVariances{2.3, 1});
     const EfficiencyVerdict b = compare_efficiency(better, times, 1);
     EXPECT_EQ(b.winner, Winner::b);
-    EXPECT_EQ(b.text, "B is 2.30x (2.30 to 2.30) more efficient on this view");
+    EXPECT_EQ(b.text, "B is 2.30x (2.27 to 2.33) more efficient on this view");
     const std::vector<BlockVariances> worse(100, BlockVariances{1, 2.3});
     EXPECT_EQ(compare_efficiency(worse, times, 1).text,
-              "A is 2.30x (2.30 to 2.30) more efficient on this view");
+              "A is 2.30x (2.27 to 2.33) more efficient on this view");
     const std::vector<BlockVariances> black(100);
     const EfficiencyVerdict none = compare_efficiency(black, times, 1);
     EXPECT_FALSE(none.valid);

@@ -67,8 +67,13 @@ void draw_prediction(const ErrorEstimate& error, double seconds_now, double targ
     } else if (reached) {
         ImGui::TextUnformatted("reached");
     } else {
-        ImGui::Text("%s", duration_text(prediction.seconds).c_str());
         range = duration_text(prediction.lo95) + " to " + duration_text(prediction.hi95);
+        // A single number only where it is promised.
+        if (prediction.firm) {
+            ImGui::TextUnformatted(duration_text(prediction.seconds).c_str());
+        } else {
+            ImGui::TextDisabled("only a range");
+        }
         // By the further end of the band, so that it does not promise too much.
         percent = percent_of_the_way(seconds_now, std::max(prediction.hi95, 0x1p-30));
     }

@@ -124,7 +124,7 @@ CalibrationSummary summarise(const std::vector<const Calibration*>& scenes) {
     CalibrationSummary s;
     double log_ratio = 0, log_prediction = 0, log_stop = 0;
     std::size_t inside = 0, judged = 0, close = 0, inside_predictions = 0, kept = 0;
-    std::size_t close_seconds = 0, lit_stops = 0;
+    std::size_t close_seconds = 0, all_close = 0, lit_stops = 0;
     double brightness = 0, brightness_square = 0;
     std::size_t lights[4] = {0, 0, 0, 0};
     std::vector<Cluster> clusters;
@@ -148,18 +148,23 @@ CalibrationSummary summarise(const std::vector<const Calibration*>& scenes) {
         for (const PredictionClaim& p : scene->predictions) {
             if (p.trust != Trust::green) continue;
             ++s.predictions;
-            close += p.close() ? 1 : 0;
             inside_predictions += p.lo95 <= p.actual && p.actual <= p.hi95 ? 1 : 0;
+            all_close += p.close() ? 1 : 0;
+            if (!p.firm) continue;
+            ++s.predictions_firm;
+            close += p.close() ? 1 : 0;
             close_seconds += p.close_in_seconds() ? 1 : 0;
             log_prediction += std::log(p.actual / p.predicted);
         }
         for (const StopClaim& stop : scene->stops) {
-            if (stop.trust != Trust::red) {
+            if (stop.trust != Trust::green) continue;
+            if (std::find(scene->open_targets.begin(), scene->open_targets.end(),
+                          stop.target_percent) == scene->open_targets.end()) {
                 ++lit_stops;
                 brightness += stop.brightness_percent;
                 brightness_square += stop.brightness_percent * stop.brightness_percent;
             }
-            if (stop.trust != Trust::green || !(stop.truth > 0)) continue;
+            if (!(stop.truth > 0)) continue;
             ++s.stops;
             kept += stop.kept() ? 1 : 0;
             log_stop += std::log(stop.ratio());
@@ -172,10 +177,11 @@ CalibrationSummary summarise(const std::vector<const Calibration*>& scenes) {
     s.coverage_sd = clustered_sd(clusters, s.coverage);
     s.ratio = std::exp(mean(log_ratio, s.claims));
     s.mean_width = mean(s.mean_width, s.claims);
-    s.predictions_close = share(close, s.predictions);
     s.predictions_inside = share(inside_predictions, s.predictions);
-    s.predictions_close_seconds = share(close_seconds, s.predictions);
-    s.prediction_ratio = std::exp(mean(log_prediction, s.predictions));
+    s.predictions_close = share(close, s.predictions_firm);
+    s.predictions_close_seconds = share(close_seconds, s.predictions_firm);
+    s.prediction_ratio = std::exp(mean(log_prediction, s.predictions_firm));
+    s.all_predictions_close = share(all_close, s.predictions);
     s.stops_kept = share(kept, s.stops);
     s.stop_ratio = std::exp(mean(log_stop, s.stops));
     s.stop_brightness_percent = mean(brightness, lit_stops);
@@ -194,7 +200,7 @@ std::vector<std::string> broken_promises(const CalibrationSummary& s, bool whole
     constexpr double kMostBrightness = 0.5;
     if (!whole &&
         std::abs(s.stop_brightness_percent) > std::max(kMostBrightness, 3 * s.stop_brightness_sd)) {
-        broken.push_back("renders that stopped at a target are off in brightness by " +
+        broken.push_back("renders that stopped at a target with a green light are off in brightness by " +
                          percent_text(s.stop_brightness_percent / 100) + ", promised 0.5 %");
     }
     if (s.claims == 0) {
@@ -211,10 +217,10 @@ std::vector<std::string> broken_promises(const CalibrationSummary& s, bool whole
         broken.push_back("estimate over truth is " + percent_text(s.ratio) +
                          ", promised 95 % to 105 %");
     }
-    if (whole && s.predictions > 0 &&
-        s.predictions_close + 2 * binomial_sd(s.predictions_close, s.predictions) < 0.9) {
+    if (whole && s.predictions_firm > 0 &&
+        s.predictions_close + 2 * binomial_sd(s.predictions_close, s.predictions_firm) < 0.9) {
         broken.push_back("only " + percent_text(s.predictions_close) +
-                         " of the predicted times were within 0.8 to 1.25, promised 90 %");
+                         " of the firm predictions were within 0.8 to 1.25, promised 90 %");
     }
     if (whole && s.stops > 0 && s.stops_kept + 2 * binomial_sd(s.stops_kept, s.stops) < 0.9) {
         broken.push_back("only " + percent_text(s.stops_kept) +

@@ -62,6 +62,7 @@ struct PredictionClaim {
     double predicted_seconds = 0;
     double actual_seconds = 0;
     Trust trust = Trust::unknown;
+    bool firm = false;  // the predicted value itself is promised, not its band alone
 
     static bool within(double ratio) { return ratio >= 0.8 && ratio <= 1.25; }
     bool close() const { return within(actual / predicted); }
@@ -86,6 +87,9 @@ struct Calibration {
     std::vector<ErrorClaim> errors;
     std::vector<PredictionClaim> predictions;
     std::vector<StopClaim> stops;
+    // Targets that some render had not met at its end, or met before it was watched: those that
+    // stopped at them are a choice, which says nothing of their brightness.
+    std::vector<double> open_targets;
 };
 
 struct CalibrationSummary {
@@ -94,15 +98,19 @@ struct CalibrationSummary {
     double coverage_sd = 0;  // by seeds, for the claims of one render are not independent
     double ratio = 1;        // geometric mean of estimate over truth
     double mean_width = 0;   // of ln(hi95 / lo95)
-    std::size_t predictions = 0;
-    double predictions_close = 0;  // share with actual over predicted within 0.8 to 1.25
-    double predictions_inside = 0;
-    double predictions_close_seconds = 0;  // the same as close, by the clock
-    double prediction_ratio = 1;  // geometric mean of actual over predicted
+    std::size_t predictions = 0;   // with a green light
+    double predictions_inside = 0;  // share of these with the actual value in the 95 % band
+    std::size_t predictions_firm = 0;
+    // Of the firm ones: share with actual over predicted within 0.8 to 1.25, the same by the clock,
+    // and the geometric mean of that ratio.
+    double predictions_close = 0;
+    double predictions_close_seconds = 0;
+    double prediction_ratio = 1;
+    double all_predictions_close = 0;  // firm or not
     std::size_t stops = 0;
     double stops_kept = 0;  // share with truth over target within 0.75 to 1.05
     double stop_ratio = 1;  // geometric mean of truth over target
-    // Mean over all renders that stopped without a red light, and its standard deviation: a rule
+    // Mean over all renders that stopped with a green light, and its standard deviation: a rule
     // that stops where light is still missing makes pictures too dark.
     double stop_brightness_percent = 0;
     double stop_brightness_sd = 0;

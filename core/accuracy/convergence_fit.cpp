@@ -18,7 +18,7 @@ constexpr std::size_t kOctavesUsed = 4;
 // Model error: octaves older than the last two count less, since the law drifts.
 constexpr double kDriftPerOctave = 0.1;
 constexpr double kLeastRelativeError = 0.002;
-constexpr double kExponentDrift = 0.03;  // of the exponent, over the octaves to come
+constexpr double kExponentDrift = 0.04;  // of the exponent, over the octaves to come
 
 struct Point {
     double ratio;     // samples / last samples, <= 1
@@ -90,10 +90,10 @@ struct PowerLaw {
 // Weighted slope of ln difference over ln samples, drawn towards what images of scenes have. The
 // weaker the prior the further the slope lies from it, so that clear data win.
 PowerLaw fit_power(std::span<const Point> points) {
-    constexpr double kPrior = 1.05, kPriorSd = 0.1, kAloneSd = 0.13;
-    constexpr double kLeastSlopeSd = 0.05;  // odd and even powers of two differ
+    constexpr double kPrior = 1.05, kPriorSd = 0.05, kAloneSd = 0.13;
+    constexpr double kLeastSlopeSd = 0.03;  // odd and even powers of two differ
     constexpr double kMostExponent = 3;
-    constexpr double kDoubtOfLaw = 0.2;
+    constexpr double kDoubtOfLaw = 0.1;
     if (points.size() == 1) return {kPrior, kAloneSd};
     double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;
     for (const Point& p : points) {
@@ -125,15 +125,32 @@ double level_slope(double exponent) {
     return std::numbers::ln2 * std::exp2(exponent) * level(exponent);
 }
 
-// Standard deviation of ln v that comes from the denominators: while there are few samples, what a
-// pixel converges to is hardly known; later, what the last doubling changed about it tells.
-double denominator_sd(std::span<const Octave> octaves) {
-    constexpr double kFewSamples = 16, kDoubtOfFew = 0.4;
-    constexpr double kDoubtAlways = 0.15;  // what neighbours tell of a pixel is never exact
+// What the octaves of a render tell of the next ones. An exponent between those of many-bounce light
+// and of edges means that both are there, and the edges' part falls by sqrt(2) against the rest at
+// every doubling. The slope is that of octaves whose middle lies two doublings back.
+void look_ahead(double exponent, ConvergenceFit::Term (&terms)[2]) {
+    constexpr double kBounces = 1, kEdges = 1.5, kSince = 0.5;
+    terms[0] = {exponent, 1};
+    terms[1] = {exponent, 0};
+    if (exponent > kEdges) return;
+    const double then = (exponent - kBounces) / (kEdges - kBounces);
+    const double edges = kSince * then / (1 - then + kSince * then);
+    terms[0] = {kBounces, 1 - edges};
+    terms[1] = {kEdges, edges};
+}
+
+// Standard deviation of ln v that comes from the denominators and from octaves that follow no law:
+// while there are few samples, what a pixel converges to is hardly known and every doubling brings
+// another stratum; later, what the last doubling changed about the denominators tells.
+double law_and_denominator_sd(std::span<const Octave> octaves) {
+    constexpr double kUnknown = 16, kDoubtOfUnknown = 0.4;
+    constexpr double kFewSamples = 32, kDoubtOfFew = 0.2, kDoubtAlways = 0.03;
     const double gain = octaves.size() > 1 ? octaves[octaves.size() - 2].gain : 1;
-    const double few =
-        static_cast<double>(octaves.back().samples) < kFewSamples ? kDoubtOfFew : kDoubtAlways;
-    return std::hypot(few, gain > 0 ? std::log(gain) : kDoubtOfFew);
+    const double samples = static_cast<double>(octaves.back().samples);
+    const double doubt = samples < kUnknown      ? kDoubtOfUnknown
+                         : samples < kFewSamples ? kDoubtOfFew
+                                                 : kDoubtAlways;
+    return std::hypot(doubt, gain > 0 ? std::log(gain) : kDoubtOfUnknown);
 }
 
 }  // namespace
@@ -203,13 +220,13 @@ ConvergenceFit fit_convergence(std::span<const Octave> octaves) {
     const double steady = points[0].value * level(law.exponent);
     const double close = points.size() > 1 ? fit_mixture(points).total() : steady;
     fit.v = std::sqrt(steady * close);
-    fit.terms[0] = {law.exponent, 1};
-    fit.exponent = law.exponent;
+    look_ahead(law.exponent, fit.terms);
+    fit.exponent = fit.exponent_at(fit.samples);
     fit.exponent_sd = std::hypot(law.standard_deviation, kExponentDrift);
     // The difference scatters about its expectation, and so does the true error of this one image.
     const double own = octaves.back().standard_error / octaves.back().difference;
     const double by_exponent = level_slope(law.exponent) * law.standard_deviation;
-    fit.log_v_sd = std::hypot(std::numbers::sqrt2 * own, by_exponent, denominator_sd(octaves));
+    fit.log_v_sd = std::hypot(std::numbers::sqrt2 * own, by_exponent, law_and_denominator_sd(octaves));
     return fit;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numbers>
 
 #include "core/math/sample_bits.h"
 
@@ -11,10 +12,16 @@ namespace talbot {
 namespace {
 
 constexpr int kResamples = 400;
-constexpr double kLevel = 0.05;
+// Both intervals are approximate, for noise has tails and load on a machine comes in waves: half of
+// the 5 % that may err is kept back.
+constexpr double kLevel = 0.025;
+// Two runs of one program differ by so much in speed for good, by where their memory lies: standard
+// deviation of the logarithm, which no number of pairs removes.
+constexpr double kPlaceSd = 0.005;
 // Of the logarithm of a time ratio, while too few pairs were measured to see it.
 constexpr double kUnknownTimeSd = 0.5;
-constexpr std::size_t kLeastPairs = 4;
+constexpr std::size_t kLeastPairs = 8;
+constexpr std::size_t kStretches = 8;  // of time, each of many pairs
 
 struct LogRatio {
     double mean = 0;
@@ -59,15 +66,34 @@ LogRatio bootstrap(std::span<const BlockVariances> blocks) {
     return ratio;
 }
 
+// Standard deviation of the mean of values in their order, by the means of stretches of them: other
+// work on the machine lasts longer than one value.
+double stretched_sd(const std::vector<double>& values) {
+    double sum = 0, square = 0;
+    for (std::size_t i = 0; i < kStretches; ++i) {
+        const std::size_t begin = i * values.size() / kStretches;
+        const std::size_t end = (i + 1) * values.size() / kStretches;
+        double mean = 0;
+        for (std::size_t k = begin; k < end; ++k) mean += values[k];
+        mean /= static_cast<double>(end - begin);
+        sum += mean;
+        square += mean * mean;
+    }
+    const double n = static_cast<double>(kStretches);
+    return std::sqrt(std::max(0.0, square - sum * sum / n) / (n * (n - 1)));
+}
+
 // The trimmed mean over pairs of ln (a / b), for other work on the machine makes outliers, and its
-// standard deviation from the winsorised values (Tukey, McLaughlin 1963).
+// standard deviation from the winsorised values (Tukey, McLaughlin 1963), or from stretches of them
+// where that is more.
 LogRatio time_ratio(std::span<const TimePair> pairs) {
     constexpr double kTrimmed = 0.2;  // at each end
-    std::vector<double> ratios;
+    std::vector<double> in_order;
     for (const TimePair& p : pairs) {
-        if (p.a > 0 && p.b > 0) ratios.push_back(std::log(p.a / p.b));
+        if (p.a > 0 && p.b > 0) in_order.push_back(std::log(p.a / p.b));
     }
-    if (ratios.empty()) return {0, kUnknownTimeSd};
+    if (in_order.empty()) return {0, kUnknownTimeSd};
+    std::vector<double> ratios = in_order;
     std::sort(ratios.begin(), ratios.end());
     const std::size_t count = ratios.size();
     if (count < kLeastPairs) return {ratios[count / 2], kUnknownTimeSd};
@@ -76,13 +102,20 @@ LogRatio time_ratio(std::span<const TimePair> pairs) {
     double kept = 0, sum = 0, square = 0;
     for (std::size_t i = 0; i < count; ++i) {
         if (i >= cut && i < count - cut) kept += ratios[i];
-        const double x = std::clamp(ratios[i], low, high);
+        double& x = in_order[i];
+        x = std::clamp(x, low, high);
         sum += x;
         square += x * x;
     }
     const double n = static_cast<double>(count), left = static_cast<double>(count - 2 * cut);
     const double variance = std::max(0.0, square - sum * sum / n) / (left * (left - 1));
-    return {kept / left, std::sqrt(variance), left - 1};
+    LogRatio ratio{kept / left, std::sqrt(variance), left - 1};
+    if (count >= 2 * kStretches) {
+        // Winsorised values vary less than those that the trimmed mean stands for.
+        const double sd = stretched_sd(in_order) * n / left;
+        if (sd > ratio.sd) ratio = {ratio.mean, sd, static_cast<double>(kStretches - 1)};
+    }
+    return ratio;
 }
 
 // |z| that a standard Gaussian exceeds with this probability.
@@ -93,12 +126,6 @@ double two_sided_quantile(double probability) {
         (std::erfc(middle / std::sqrt(2.0)) > probability ? low : high) = middle;
     }
     return high;
-}
-
-// The same of Student's t, in its expansion by 1 / freedom (Abramowitz, Stegun 26.7.5).
-double student_quantile(double z, double freedom) {
-    const double z3 = z * z * z, z5 = z3 * z * z;
-    return z + (z3 + z) / (4 * freedom) + (5 * z5 + 16 * z3 + 3 * z) / (96 * freedom * freedom);
 }
 
 std::string times(double ratio) {
@@ -120,6 +147,35 @@ std::string sentence(const EfficiencyVerdict& v) {
 
 }  // namespace
 
+double level_of_look(double level, uint64_t k) {
+    const double look = static_cast<double>(k);
+    return level / (look * (look + 1));
+}
+
+double student_quantile(double probability, double freedom) {
+    if (!std::isfinite(freedom)) return two_sided_quantile(probability);
+    const double n = freedom;
+    if (n == 2) return std::sqrt(2 / (probability * (2 - probability)) - 2);
+    if (n == 1) return 1 / std::tan(probability * std::numbers::pi / 2);
+    const double a = 1 / (n - 0.5), b = 48 / (a * a);
+    double c = ((20700 * a / b - 98) * a - 16) * a + 96.36;
+    const double d = ((94.5 / (b + c) - 3) / b + 1) * std::sqrt(a * std::numbers::pi / 2) * n;
+    double y = std::pow(d * probability, 2 / n);
+    if (y > 0.05 + a) {
+        const double x = -two_sided_quantile(probability);
+        y = x * x;
+        if (n < 5) c += 0.3 * (n - 4.5) * (x + 0.6);
+        c = (((0.05 * d * x - 5) * x - 7) * x - 2) * x + b + c;
+        y = (((((0.4 * y + 6.3) * y + 36) * y + 94.5) / c - y - 3) / b + 1) * x;
+        y = std::expm1(a * y * y);
+    } else {
+        y = ((1 / (((n + 6) / (n * y) - 0.089 * d - 0.822) * (n + 2) * 3) + 0.5 / (n + 4)) * y - 1) *
+                (n + 1) / (n + 2) +
+            1 / y;
+    }
+    return std::sqrt(n * y);
+}
+
 EfficiencyVerdict compare_efficiency(std::span<const BlockVariances> blocks,
                                      std::span<const TimePair> times, uint64_t looks) {
     EfficiencyVerdict verdict;
@@ -134,11 +190,10 @@ EfficiencyVerdict compare_efficiency(std::span<const BlockVariances> blocks,
         return verdict;
     }
     const LogRatio error = bootstrap(blocks), time = time_ratio(times);
-    // Looks k = 1, 2, ... may err with 0.05 / (k (k + 1)) each, 0.05 in all.
-    const double k = static_cast<double>(looks);
-    const double z = two_sided_quantile(kLevel / (k * (k + 1)));
-    const double half = std::hypot(student_quantile(z, error.freedom) * error.sd,
-                                   student_quantile(z, time.freedom) * time.sd);
+    const double level = level_of_look(kLevel, looks);
+    const double half = std::hypot(student_quantile(level, error.freedom) * error.sd,
+                                   student_quantile(level, time.freedom) * time.sd,
+                                   two_sided_quantile(level) * kPlaceSd);
     const double log_ratio = error.mean + time.mean;
     verdict.valid = true;
     verdict.ratio = std::exp(log_ratio);

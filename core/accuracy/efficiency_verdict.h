@@ -41,6 +41,14 @@ struct TimePair {
     double b = 0;
 };
 
+// Of an error probability that holds for any number of looks together, the part that look k = 1, 2,
+// ... may use.
+double level_of_look(double level, uint64_t k);
+
+// |t| that Student's t with so many degrees of freedom (> 0, infinite for a Gaussian) exceeds with a
+// probability (Hill 1970, algorithm 396).
+double student_quantile(double probability, double freedom);
+
 // `looks` is how many verdicts the comparison has asked for so far, this one included: the more,
 // the wider the interval. Paired bootstrap over blocks, and scatter of the time pairs.
 EfficiencyVerdict compare_efficiency(std::span<const BlockVariances> blocks,

@@ -23,6 +23,13 @@ constexpr double kAmberTopShare = 0.1;
 constexpr double kRedTopShare = 0.5;
 constexpr double kRedTailIndex = 0.7;
 constexpr double kRedEnergyDrift = 5;
+// A render that stops where its error looks small stops where bright paths happen to be missing;
+// the bias of its brightness is a part of the standard deviation of the same.
+constexpr double kAmberBrightnessSd = 0.005;
+
+// What a firm prediction may be off by, in nine cases of ten.
+constexpr double kFirmRatio = 1.25;
+constexpr double kNormal90 = 1.645;
 
 constexpr double kRateSd =
     0.03;  // of the logarithm of seconds per sample: other programs on the machine
@@ -48,6 +55,9 @@ void judge(ErrorEstimate& e) {
     } else if (e.samples < kTrustSamples) {
         e.trust = Trust::amber;
         e.why = "too few samples to judge";
+    } else if (e.brightness_sd > kAmberBrightnessSd) {
+        e.trust = Trust::amber;
+        e.why = "too noisy: the brightness of the whole image is not yet known to 1 %";
     } else {
         e.trust = Trust::green;
         e.why = "the error is spread over the image and falls steadily";
@@ -146,6 +156,7 @@ ErrorEstimate::Prediction ErrorEstimate::seconds_to(double target_percent) const
     if (!valid || trust == Trust::red || !(target_percent > 0)) return prediction;
     if (relrmse_percent <= target_percent) {
         prediction.valid = true;
+        prediction.firm = trust == Trust::green;
         return prediction;
     }
     if (!(seconds_per_sample > 0)) return prediction;
@@ -160,12 +171,13 @@ ErrorEstimate::Prediction ErrorEstimate::seconds_to(double target_percent) const
         (fit.smooth(now * std::exp2(middle)) > goal ? low : high) = middle;
     }
     const double n = std::max(now * std::exp2(high), now + 1);
-    const double factor =
-        std::exp(kNormal95 * std::hypot(fit.log_sd(n) / fit.exponent_at(n), kRateSd));
+    const double sd = std::hypot(fit.log_sd(n) / fit.exponent_at(n), kRateSd);
+    const double factor = std::exp(kNormal95 * sd);
     const auto seconds_until = [&](double sample_count) {
         return std::max(0.0, sample_count - now) * seconds_per_sample;
     };
     prediction.valid = true;
+    prediction.firm = trust == Trust::green && std::exp(kNormal90 * sd) <= kFirmRatio;
     prediction.seconds = seconds_until(n);
     prediction.lo95 = seconds_until(n / factor);
     prediction.hi95 = seconds_until(n * factor);
@@ -238,6 +250,7 @@ void ErrorTracker::derive() {
     e.top_share = state_.last.top_share;
     e.tail_index = state_.last.tail_index;
     e.energy_drift = state_.last.energy_drift;
+    e.brightness_sd = state_.last.brightness_sd;
     set_interval(e, e.fit.v, e.fit.log_v_sd);
     judge(e);
 

@@ -40,6 +40,7 @@ struct ErrorEstimate {
     double top_share = 0;             // of the error, in the 0.1 % of pixels with the largest
     double tail_index = 0;            // Pareto index of the largest blocks
     double energy_drift = 0;  // of the image's mean over the last doubling, in standard deviations
+    double brightness_sd = 0;  // of the image's mean, relative to it
     Trust trust = Trust::unknown;
     std::string why;  // one sentence for the trust
     std::vector<Octave> octaves;
@@ -47,6 +48,10 @@ struct ErrorEstimate {
 
     struct Prediction {
         bool valid = false;
+        // Whether `seconds` is promised: the light is green, and the whole time to the target is
+        // within 0.8 to 1.25 of the predicted one with a probability of nine in ten. If not, only
+        // the band says something.
+        bool firm = false;
         double seconds = 0;
         double lo95 = 0;
         double hi95 = 0;

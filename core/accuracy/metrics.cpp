@@ -146,6 +146,28 @@ ImageBytes error_picture(const std::vector<float>& errors, uint32_t width, uint3
     return picture;
 }
 
+namespace {
+
+struct BlockSum {
+    double value = 0;
+    double variance = 0;
+};
+
+// Variance of the difference of two sums if both have one expectation. Where light is found by rare
+// events, a sum that has met few of them is small and its measured variance too, in the same ratio;
+// so the variance is brought to the expectation that both have in common.
+double variance_if_equal(const BlockSum& a, const BlockSum& b) {
+    const double both = a.variance + b.variance;
+    if (!(both > 0)) return 0;
+    const double common = (a.value * b.variance + b.value * a.variance) / both;
+    const auto own = [&](const BlockSum& s) {
+        return s.value > 0 ? s.variance * std::max(1.0, common / s.value) : s.variance;
+    };
+    return own(a) + own(b);
+}
+
+}  // namespace
+
 BlockTest test_blocks(const MeasuredImage& a, const MeasuredImage& b, uint32_t block,
                       double level) {
     check_sizes(*a.image, *b.image);
@@ -157,16 +179,18 @@ BlockTest test_blocks(const MeasuredImage& a, const MeasuredImage& b, uint32_t b
     for (uint32_t y0 = 0; y0 < height; y0 += block) {
         for (uint32_t x0 = 0; x0 < width; x0 += block) {
             for (int c = 0; c < 3; ++c) {
-                double difference = 0, variance = 0;
+                BlockSum sum_a, sum_b;
                 for (uint32_t y = y0; y < std::min(y0 + block, height); ++y) {
                     for (uint32_t x = x0; x < std::min(x0 + block, width); ++x) {
                         const std::size_t i = std::size_t{y} * width + x;
-                        difference += static_cast<double>(a.image->rgb[i][c]) -
-                                      static_cast<double>(b.image->rgb[i][c]);
-                        variance += static_cast<double>(a.variance[i][c]) +
-                                    static_cast<double>(b.variance[i][c]);
+                        sum_a.value += static_cast<double>(a.image->rgb[i][c]);
+                        sum_a.variance += static_cast<double>(a.variance[i][c]);
+                        sum_b.value += static_cast<double>(b.image->rgb[i][c]);
+                        sum_b.variance += static_cast<double>(b.variance[i][c]);
                     }
                 }
+                const double difference = sum_a.value - sum_b.value;
+                const double variance = variance_if_equal(sum_a, sum_b);
                 if (difference == 0) {
                     p_values.push_back(1);
                     continue;

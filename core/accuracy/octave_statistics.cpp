@@ -40,6 +40,7 @@ struct StripResult {
     double previous_sum = 0;  // of the octave before, weighted with this one's r
     double luminance_change = 0;
     double luminance_square = 0;
+    double luminance = 0;
     MagnitudeHistogram magnitudes;
 };
 
@@ -246,6 +247,7 @@ class StripPass {
                 luminance(Rgb(images_.full[start + x] - images_.half[start + x])));
             result.luminance_change += change;
             result.luminance_square += change * change;
+            result.luminance += static_cast<double>(luminance(Rgb(images_.full[start + x])));
         }
     }
 
@@ -297,6 +299,7 @@ OctaveStatistics run_passes(const PassImages& images, double metric_constant, Wo
         total.square_sum += r.square_sum;
         total.luminance_change += r.luminance_change;
         total.luminance_square += r.luminance_square;
+        total.luminance += r.luminance;
         for (std::size_t i = 0; i < r.magnitudes.count.size(); ++i) {
             total.magnitudes.count[i] += r.magnitudes.count[i];
             total.magnitudes.sum[i] += r.magnitudes.sum[i];
@@ -311,7 +314,10 @@ OctaveStatistics run_passes(const PassImages& images, double metric_constant, Wo
     statistics.standard_error = std::sqrt(kVarianceOfSquare * total.square_sum) / n;
     statistics.top_share = top_share(total.magnitudes, total.sum, pixels);
     if (total.luminance_square > 0) {
-        statistics.energy_drift = total.luminance_change / std::sqrt(total.luminance_square);
+        const double spread = std::sqrt(total.luminance_square);
+        statistics.energy_drift = total.luminance_change / spread;
+        // A half differs from the whole by as much as the whole errs, or by more.
+        if (total.luminance > 0) statistics.brightness_sd = spread / total.luminance;
     }
     statistics.tail_index = pareto_tail_index(statistics.blocks);
     for (std::size_t by = 0; by < rows; ++by) {

@@ -23,6 +23,7 @@ struct OctaveStatistics {
     double tail_index =
         0;  // Pareto index k of the largest block sums; above 0.7 their mean is not to be trusted
     double energy_drift = 0;    // change of the image's mean luminance in standard deviations
+    double brightness_sd = 0;   // of the image's mean luminance, relative to it
     std::vector<float> blocks;  // difference of every block, row by row
 };
 

@@ -25,7 +25,7 @@ static_assert(std::endian::native == std::endian::little, "film files are little
 static_assert(sizeof(FilmPixel) == 64 && sizeof(Rgb) == 12);
 
 constexpr char kMagic[8] = {'T', 'A', 'L', 'B', 'O', 'T', 'F', 'M'};
-constexpr uint32_t kVersion = 3;
+constexpr uint32_t kVersion = 4;
 constexpr std::size_t kPrefixBytes = sizeof kMagic + 2 * sizeof(uint32_t);
 constexpr std::size_t kDigestBytes = 32;
 constexpr uint32_t kMaxHeaderBytes = 1u << 20;
@@ -158,7 +158,7 @@ json header_of(const Film& film, const FilmMetadata& m, const ErrorTracker::Stat
         {"marks", marks},
         {"last",
          {e.last.difference, e.last.previous_difference, e.last.standard_error, e.last.top_share,
-          e.last.tail_index, e.last.energy_drift}},
+          e.last.tail_index, e.last.energy_drift, e.last.brightness_sd}},
         {"half_pixels", e.memory.image.size()},
         {"difference_pixels", e.memory.difference.size()},
         {"blocks", e.last.blocks.size()},
@@ -217,6 +217,7 @@ void read_header(const json& header, FilmFile& file, TableSizes& tables) {
     e.last.top_share = last.at(3).get<double>();
     e.last.tail_index = last.at(4).get<double>();
     e.last.energy_drift = last.at(5).get<double>();
+    e.last.brightness_sd = last.at(6).get<double>();
     tables.half = error.at("half_pixels").get<std::size_t>();
     tables.differences = error.at("difference_pixels").get<std::size_t>();
     tables.blocks = error.at("blocks").get<std::size_t>();

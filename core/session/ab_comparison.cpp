@@ -29,7 +29,7 @@ constexpr std::size_t kMostPairs = 512;
 constexpr uint32_t kBlock = 8;       // pixels a side, of the bootstrap
 constexpr uint32_t kFewBlocks = 64;  // fewer make blocks of half the size
 constexpr uint32_t kRadius = 3;      // of the window that r is the mean over
-constexpr double kDifferentLevel = 0.001;
+constexpr double kDifferentLevel = 0.01;  // over all looks together
 constexpr double kNormal95 = 1.96;
 
 // Mean over the window inside the image, one channel after the other.
@@ -315,7 +315,7 @@ class AbComparison::Impl {
             const MeasuredImage measured_a = measured(*sides_[0], a);
             const MeasuredImage measured_b = measured(*sides_[1], b);
             const BlockTest test = test_blocks(measured_a, measured_b);
-            verdict_.different = test.p_value < kDifferentLevel;
+            verdict_.different = test.p_value < level_of_look(kDifferentLevel, looks_);
             const double sum_a = sum_of(a), sum_b = sum_of(b);
             if (sum_a > 0) verdict_.brightness_percent = 100 * (sum_b / sum_a - 1);
             if (!verdict_.different) return;
