@@ -129,6 +129,9 @@ struct Material;
 // The effects that can change a pixel of this scene seen by this camera, with their witnesses.
 EffectReport analyse_effects(const Scene& scene, const Camera& camera);
 
+// Adds what a folded material asks for; `who` becomes the witness.
+void note_material(EffectReport& report, const Material& material, const std::string& who);
+
 // What a material by itself, folded (effects_fold.h), asks of the shading of a surface.
 EffectSet material_effects(const Material& material);
 

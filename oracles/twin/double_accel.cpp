@@ -146,6 +146,7 @@ class DoubleAccel final : public Accel {
     bool closest_counting(const Ray& ray, Hit& hit, uint32_t& steps) const override {
         return search(ray, nullptr, hit, &steps);
     }
+    bool find_leaf(const Ray&, const Hit&, LeafPlace&) const override { return false; }
     const AccelStats& stats() const override { return stats_; }
     Bounds bounds() const override {
         Bounds bounds;

@@ -157,7 +157,7 @@ to::Object widen(const from::Object& object) {
 
 to::PunctualLight widen(const from::PunctualLight& light) {
     const auto& [name, kind, color, intensity, position, direction, range, inner_cone_angle,
-                 outer_cone_angle] = light;
+                 outer_cone_angle, angular_diameter] = light;
     return {name,
             static_cast<to::PunctualKind>(kind),
             widen(color),
@@ -166,7 +166,8 @@ to::PunctualLight widen(const from::PunctualLight& light) {
             widen(direction),
             widen(range),
             widen(inner_cone_angle),
-            widen(outer_cone_angle)};
+            widen(outer_cone_angle),
+            widen(angular_diameter)};
 }
 
 to::Environment widen(const from::Environment& environment) {
