@@ -53,8 +53,8 @@ CaseResult run(Effort effort) {
     ++other.seed;
     CaseResult result;
     for (const Stock& s : scenes) {
-        const auto own = twin::make_float_tracer(s.desc, s.camera, settings, budget.width,
-                                                 budget.height, pool);
+        const auto own =
+            twin::make_float_tracer(s.desc, s.camera, settings, budget.width, budget.height, pool);
         const auto twin =
             twin::make_double_tracer(s.desc, s.camera, settings, budget.width, budget.height);
         const auto again =
@@ -65,26 +65,25 @@ CaseResult run(Effort effort) {
         naive.relmse = NAN;
         // Spheres have no corners.
         if (!s.desc.meshes.empty()) {
-            const auto control =
-                twin::make_float_tracer(rounded_far_away(s.desc), s.camera, settings, budget.width,
-                                        budget.height, pool);
+            const auto control = twin::make_float_tracer(
+                rounded_far_away(s.desc), s.camera, settings, budget.width, budget.height, pool);
             naive = twin::compare_twins(*control, *twin, *again, budget, pool);
         }
         result.nonfinite += c.nonfinite;
-        result.measures.push_back({s.name + ": relMSE of float over that of the noise",
-                                   naive.relmse / c.noise, c.share_of_noise(), kTwinShareOfNoise,
-                                   Gate::at_most, line("%.2g %% of samples part",
-                                                       100 * c.parted_share())});
+        result.measures.push_back(
+            {s.name + ": relMSE of float over that of the noise", naive.relmse / c.noise,
+             c.share_of_noise(), kTwinShareOfNoise, Gate::at_most,
+             geometry::line("%.2g %% of samples part", 100 * c.parted_share())});
         result.measures.push_back({s.name + ": RMS difference of samples that go the same way",
                                    naive.together, c.together, kTwinTogether, Gate::at_most, ""});
     }
     return result;
 }
 
-const bool kAdded = add_case(
-    {"B05", Priority::p1, "float against a double twin",
-     "corners rounded as if the scene lay 100 km from the origin",
-     "error-free or double steps where float would cancel; else float", "NVIDIA/VisRTX#334", run});
+const bool kAdded = add_case({"B05", Priority::p1, "float against a double twin",
+                              "corners rounded as if the scene lay 100 km from the origin",
+                              "error-free or double steps where float would cancel; else float",
+                              "NVIDIA/VisRTX#334", run});
 
 }  // namespace double_twin
 }  // namespace talbot::hardcases
