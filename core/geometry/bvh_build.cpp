@@ -359,9 +359,7 @@ bool build_tree(HugePageVector<BuildPrimitive>& primitives, BuildQuality quality
     tree = {};
     if (primitives.empty()) return true;
     const uint64_t count = primitives.size();
-    const bool cuts = quality == BuildQuality::high;
-    const auto room =
-        cuts ? static_cast<uint64_t>((kMostReferences - 1) * static_cast<double>(count)) : 0;
+    const uint64_t room = places_for(count, quality) - count;
     primitives.resize(count + room);
     Builder upper_builder(primitives, quality, load, pool, stop);
     const Range whole = upper_builder.whole(count, room);
@@ -391,6 +389,8 @@ bool build_tree(HugePageVector<BuildPrimitive>& primitives, BuildQuality quality
         },
         stop);
     if (stop.stop_requested()) return false;
+    // What joining takes in memory can be less than this frees.
+    HugePageVector<BuildPrimitive>().swap(primitives);
     join(upper, tree);
     tree.depth = std::max(tree.depth, 1u);
     tree.root = ChildRef::inner(0);
