@@ -24,7 +24,7 @@ constexpr uint64_t kSubtreeSize =
 // Cuts through triangles are looked for where the boxes of the two parts of a split share so much
 // of the node's half surface and of the root's, and taken when they cost less than the last share.
 constexpr double kOverlapOfNode = 0.1;
-constexpr double kOverlapOfRoot = 1e-4;
+constexpr double kOverlapOfRoot = 1.0 / 8192;
 constexpr double kWorthCutting = 0.9;
 
 class Builder {
