@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
+#include <map>
 
 #include "core/integrate/aov_pass.h"
 #include "core/integrate/tiers.h"
@@ -128,6 +130,28 @@ TEST(Aov, FirstHitsHaveTheirClosedForms) {
     EXPECT_EQ(middle, Rgb(0.8f, 0.4f, 0.2f));
     EXPECT_LE(depth.upper.x, 60);
     EXPECT_GE(depth.lower.x, 2);
+}
+
+// Spheres have leaves of their own, one level or more below the root.
+TEST(Aov, LeavesAreThoseOfTheObjects) {
+    View view;
+    const AovImage objects = view.image(Aov::object_id, 1);
+    const AovImage depth = view.image(Aov::bvh_depth, 1);
+    const AovImage leaves = view.image(Aov::bvh_leaf, 1);
+    std::map<float, float> leaf_of;
+    for (std::size_t i = 0; i < objects.image.rgb.size(); ++i) {
+        const float object = objects.image.rgb[i].x;
+        const float leaf = leaves.image.rgb[i].x;
+        if (object < 0) {
+            EXPECT_EQ(leaf, -1);
+            EXPECT_EQ(depth.image.rgb[i].x, -1);
+            continue;
+        }
+        EXPECT_GE(depth.image.rgb[i].x, 1);
+        EXPECT_EQ(leaf_of.emplace(object, leaf).first->second, leaf);
+    }
+    ASSERT_GE(leaf_of.size(), 2u);
+    EXPECT_NE(leaf_of.begin()->second, std::next(leaf_of.begin())->second);
 }
 
 TEST(Aov, ImagesDoNotDependOnThreads) {

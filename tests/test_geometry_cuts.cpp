@@ -97,6 +97,8 @@ TEST(Cuts, HitsAreThoseOfBruteForce) {
                 wrong += accel->occluded(ray) != found || fast->occluded(ray) != found;
                 if (!found) break;
                 wrong += !same_hit(hit, expected) || !same_hit(hit_fast, expected);
+                LeafPlace place;
+                wrong += !accel->find_leaf(ray, hit, place) || place.depth >= stats.depth + 1;
                 ray.skip_to = ray.skip_from;
                 ray.skip_from = expected.id;
             }

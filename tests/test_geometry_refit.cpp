@@ -1,9 +1,12 @@
 // Refitted structures against brute force on what has moved, and when a refit is refused.
 #include <gtest/gtest.h>
 
-#include <chrono>
+#include <cstdlib>
+#include <filesystem>
 #include <limits>
 
+#include "core/io/gltf_loader.h"
+#include "core/scene/scene.h"
 #include "geometry_scenes.h"
 
 namespace talbot::test {
@@ -137,6 +140,36 @@ TEST(Refit, TrianglesThatNothingCanMeet) {
     const AccelPtr without = build(flat, BuildQuality::fast);
     EXPECT_NE(refit_accel(*without, flat.input(), pool), nullptr);
     EXPECT_EQ(refit_accel(*without, scene.input(), pool), nullptr);
+}
+
+// A skinned model at several moments: the scene that takes over the structure of the last moment
+// gives the hits of one that is built anew.
+TEST(Refit, AnAnimatedModel) {
+    const char* shared = std::getenv("TALBOT_SHARED_DIR");
+    const std::filesystem::path file =
+        std::filesystem::path(shared ? shared : TALBOT_SOURCE_DIR "/../shared") /
+        "models/CesiumMan/CesiumMan.glb";
+    if (!std::filesystem::exists(file)) GTEST_SKIP() << "NO SAMPLE MODEL AT " << file;
+    WorkerPool pool(2);
+    const auto open = GltfFile::open(file);
+    ASSERT_TRUE(open.ok());
+    SceneBuildOptions refitting;
+    refitting.quality = BuildQuality::fast;
+    double built = 0;
+    double refitted = 0;
+    for (int moment = 0; moment < 6; ++moment) {
+        LoadOptions options;
+        options.animation_time = 0.3 * moment;
+        SceneBuildOptions building;
+        building.quality = BuildQuality::fast;
+        const auto fresh = Scene::build(*(*open)->read(options), pool, building);
+        const auto scene = Scene::build(*(*open)->read(options), pool, refitting);
+        built += fresh->accel().stats().build_seconds;
+        if (moment > 0) refitted += scene->accel().stats().build_seconds;
+        EXPECT_EQ(differences(scene->accel(), fresh->accel(), 20000), 0u) << moment;
+        refitting.previous = scene;
+    }
+    std::printf("CesiumMan: build %.2f ms, refit %.2f ms\n", 1e3 * built / 6, 1e3 * refitted / 5);
 }
 
 // What it is for: it must cost a small part of a build.

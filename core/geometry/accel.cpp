@@ -68,6 +68,7 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& po
     for (const uint32_t mesh_index : shared_meshes(input)) {
         const AccelMesh& mesh = input.meshes[mesh_index];
         primitives.clear();
+        primitives.reserve(places_for(mesh.indices.size() / 3, input.quality));
         dropped_in_tree[next_tree] = add_triangles(mesh, kNoId, primitives);
         const auto load = [&mesh](const BuildPrimitive& p) {
             StoredTriangle t;
@@ -83,7 +84,7 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& po
     }
 
     primitives.clear();
-    primitives.reserve(total);
+    primitives.reserve(places_for(total, input.quality));
     for (size_t i = 0; i < input.instances.size(); ++i) {
         const AccelInstance& instance = input.instances[i];
         if (!instance.identity) continue;

@@ -24,7 +24,7 @@ constexpr uint64_t kSubtreeSize =
 // Cuts through triangles are looked for where the boxes of the two parts of a split share so much
 // of the node's half surface and of the root's, and taken when they cost less than the last share.
 constexpr double kOverlapOfNode = 0.1;
-constexpr double kOverlapOfRoot = 1.0 / 10000;
+constexpr double kOverlapOfRoot = 1.0 / 8192;
 constexpr double kWorthCutting = 0.9;
 
 class Builder {
@@ -359,9 +359,7 @@ bool build_tree(HugePageVector<BuildPrimitive>& primitives, BuildQuality quality
     tree = {};
     if (primitives.empty()) return true;
     const uint64_t count = primitives.size();
-    const bool cuts = quality == BuildQuality::high;
-    const auto room =
-        cuts ? static_cast<uint64_t>((kMostReferences - 1) * static_cast<double>(count)) : 0;
+    const uint64_t room = places_for(count, quality) - count;
     primitives.resize(count + room);
     Builder upper_builder(primitives, quality, load, pool, stop);
     const Range whole = upper_builder.whole(count, room);
@@ -391,6 +389,8 @@ bool build_tree(HugePageVector<BuildPrimitive>& primitives, BuildQuality quality
         },
         stop);
     if (stop.stop_requested()) return false;
+    // What joining takes in memory can be less than this frees.
+    HugePageVector<BuildPrimitive>().swap(primitives);
     join(upper, tree);
     tree.depth = std::max(tree.depth, 1u);
     tree.root = ChildRef::inner(0);

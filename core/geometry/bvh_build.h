@@ -28,8 +28,15 @@ using LoadTriangle = std::function<StoredTriangle(const BuildPrimitive& primitiv
 // A high-quality tree refers to at most this many times as many triangles as there are.
 inline constexpr double kMostReferences = 1.3;
 
-// Builds `tree` over the primitives, whose order it changes and to which it appends parts of cut
-// ones; false when stop was requested. progress is told the number of primitives that have reached
+// Places for so many primitives and for the parts of cut ones.
+inline uint64_t places_for(uint64_t primitives, BuildQuality quality) {
+    return quality == BuildQuality::high
+               ? static_cast<uint64_t>(kMostReferences * static_cast<double>(primitives))
+               : primitives;
+}
+
+// Builds `tree` over the primitives, which it uses up: what is left in the vector means nothing.
+// False when stop was requested. progress is told the number of primitives that have reached
 // their leaves.
 bool build_tree(HugePageVector<BuildPrimitive>& primitives, BuildQuality quality,
                 const LoadTriangle& load, WorkerPool* pool, std::stop_token stop,
