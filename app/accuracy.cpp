@@ -23,20 +23,16 @@ struct AccuracyOptions {
     std::vector<std::string> rest;  // for the render options
 };
 
-Error usage(const std::string& what) {
-    return {ErrorKind::usage, "", "accuracy", what};
-}
-
 // Empty when help was printed.
-Result<std::optional<AccuracyOptions>> parse(std::span<const std::string> args) {
+Result<std::optional<AccuracyOptions>> parse_accuracy(std::span<const std::string> args) {
     AccuracyOptions o;
     CLI::App app("What accuracy costs on a scene: error against seconds for each setting",
                  "talbot accuracy");
     app.allow_extras();
-    app.add_option(
-           "--sweep", o.sweeps,
-           "KEY=v1,v2: max-depth, sampler, filter, roulette, nee, effects, effect.NAME, tile-size; may be "
-           "repeated")
+    app.add_option("--sweep", o.sweeps,
+                   "KEY=v1,v2: max-depth, sampler, filter, roulette, nee, effects, effect.NAME, "
+                   "tile-size; may be "
+                   "repeated")
         ->allow_extra_args(false);
     app.add_option("--target-error", o.target_percent,
                    "relative error in per cent; default what the settings as given reach");
@@ -60,13 +56,13 @@ Result<std::optional<AccuracyOptions>> parse(std::span<const std::string> args) 
     } catch (const CLI::ParseError& error) {
         std::string what = error.what();
         std::replace(what.begin(), what.end(), '\n', ' ');
-        return usage(what + "; see talbot accuracy --help");
+        return usage_error("accuracy", what + "; see talbot accuracy --help");
     }
     o.rest = app.remaining();
     if (!(o.target_percent >= 0) || !std::isfinite(o.target_percent))
-        return usage("--target-error must be above 0 per cent");
+        return usage_error("accuracy", "--target-error must be above 0 per cent");
     if (!(o.budget_seconds > 0) || o.budget_seconds > 1e6)
-        return usage("--budget must lie between 0 and 1000000 seconds");
+        return usage_error("accuracy", "--budget must lie between 0 and 1000000 seconds");
     return std::optional<AccuracyOptions>(o);
 }
 
@@ -88,7 +84,7 @@ std::string quoted(const std::string& word) {
     return text + "'";
 }
 
-std::string number(double value) {
+std::string three_digits(double value) {
     char text[32];
     std::snprintf(text, sizeof(text), "%.3g", value);
     return text;
@@ -113,7 +109,7 @@ std::string command_of(const std::vector<std::string>& words, const std::string&
 void advise(AccuracyReport& report, const std::vector<std::string>& words,
             const AccuracyScene& scene, WorkerPool& pool) {
     const SweepResult* choice = advised(report.outcome);
-    const std::string target = number(report.outcome.target_percent) + " %";
+    const std::string target = three_digits(report.outcome.target_percent) + " %";
     if (choice == nullptr) {
         report.advice = "No configuration is known to reach " + target + ": " +
                         report.outcome.results.front().to_target.why + ".";
@@ -121,10 +117,11 @@ void advise(AccuracyReport& report, const std::vector<std::string>& words,
     }
     const TimeToTarget& t = choice->to_target;
     report.advice_command = command_of(words, choice->config.flags) + " --target-error " +
-                            number(report.outcome.target_percent) + " --output picture.png";
+                            three_digits(report.outcome.target_percent) + " --output picture.png";
     report.advice = "The cheapest configuration that reaches " + target + " is " +
-                    choice->config.label() + ": " + number(t.seconds) + " s (" + number(t.lo95) +
-                    " to " + number(t.hi95) + ")" + (t.measured ? "." : ", predicted.");
+                    choice->config.label() + ": " + three_digits(t.seconds) + " s (" +
+                    three_digits(t.lo95) + " to " + three_digits(t.hi95) + ")" +
+                    (t.measured ? "." : ", predicted.");
     // A run stops at a power of two, for which up to twice the time is needed.
     if (4 * t.hi95 > std::max(report.budget_seconds, 4.0)) {
         report.advice += " Not verified: that would take longer than the budget allows.";
@@ -135,8 +132,9 @@ void advise(AccuracyReport& report, const std::vector<std::string>& words,
     const Verification& v = report.verification;
     if (!v.done) return;
     report.advice += v.met ? " Verified with another seed: " : " NOT borne out with another seed: ";
-    report.advice += number(v.error.relrmse_percent) + " % (95 %: " + number(v.error.lo95) +
-                     " to " + number(v.error.hi95) + ") after " + number(v.seconds) + " s.";
+    report.advice += three_digits(v.error.relrmse_percent) +
+                     " % (95 %: " + three_digits(v.error.lo95) + " to " +
+                     three_digits(v.error.hi95) + ") after " + three_digits(v.seconds) + " s.";
 }
 
 void print_shares(const ErrorShares& shares) {
@@ -147,7 +145,7 @@ void print_shares(const ErrorShares& shares) {
             std::snprintf(error, sizeof(error), "%.1f +- %.1f %%", 100 * s.error, 196 * s.error_sd);
             std::printf(
                 "%-36s %-16s %5.1f %%  %s\n", s.label.c_str(), error, 100 * s.light,
-                s.help.empty() ? "" : (s.help + ": " + number(s.help_factor) + "x").c_str());
+                s.help.empty() ? "" : (s.help + ": " + three_digits(s.help_factor) + "x").c_str());
         }
         std::printf("\n");
     }
@@ -155,26 +153,28 @@ void print_shares(const ErrorShares& shares) {
         std::printf("No other setting helps the whole image by a tenth.\n");
     else
         std::printf("For the whole image: %s, %sx.\n", shares.help.c_str(),
-                    number(shares.help_factor).c_str());
+                    three_digits(shares.help_factor).c_str());
 }
 
 void print_table(const AccuracyReport& report) {
     std::printf("%-26s %-30s %-10s %-9s %-8s %-12s %-6s %s\n", "configuration",
-                ("seconds to " + number(report.outcome.target_percent) + " %").c_str(), "error",
-                "after", "exponent", "bias floor", "trust", "Pareto");
+                ("seconds to " + three_digits(report.outcome.target_percent) + " %").c_str(),
+                "error", "after", "exponent", "bias floor", "trust", "Pareto");
     for (const SweepResult& r : report.outcome.results) {
         const TimeToTarget& t = r.to_target;
-        const std::string time = t.valid ? number(t.seconds) + " (" + number(t.lo95) + " to " +
-                                               number(t.hi95) + ")" + (t.measured ? "" : " pred.")
+        const std::string time = t.valid ? three_digits(t.seconds) + " (" + three_digits(t.lo95) +
+                                               " to " + three_digits(t.hi95) + ")" +
+                                               (t.measured ? "" : " pred.")
                                          : "never or unknown";
         const std::string floor = !r.config.may_be_biased ? "none"
-                                  : r.floor.significant   ? number(r.floor.relrmse_percent) + " %"
-                                                          : "< " + number(r.floor.hi95) + " %";
+                                  : r.floor.significant
+                                      ? three_digits(r.floor.relrmse_percent) + " %"
+                                      : "< " + three_digits(r.floor.hi95) + " %";
         std::printf("%-26s %-30s %-10s %-9s %-8s %-12s %-6s %s\n", r.config.label().c_str(),
-                    time.c_str(), (number(r.last.relrmse_percent) + " %").c_str(),
-                    (number(r.last.seconds) + " s").c_str(), number(r.last.exponent).c_str(),
-                    floor.c_str(), std::string(trust_name(r.last.trust)).c_str(),
-                    r.pareto ? "yes" : "");
+                    time.c_str(), (three_digits(r.last.relrmse_percent) + " %").c_str(),
+                    (three_digits(r.last.seconds) + " s").c_str(),
+                    three_digits(r.last.exponent).c_str(), floor.c_str(),
+                    std::string(trust_name(r.last.trust)).c_str(), r.pareto ? "yes" : "");
         if (!t.valid) std::printf("  %s\n", t.why.c_str());
         if (r.config.may_be_biased)
             std::printf("  %s\n", bias_sentence(r.floor, r.loss_after_seconds).c_str());
@@ -249,7 +249,7 @@ int run_accuracy(std::span<const std::string> args) {
         log_error(error.line());
         return exit_code(error);
     };
-    const Result<std::optional<AccuracyOptions>> options = parse(args);
+    const Result<std::optional<AccuracyOptions>> options = parse_accuracy(args);
     if (!options) return fail(options.error());
     if (!*options) return kExitDone;
     const Result<std::optional<Options>> base = parse_base((*options)->rest);

@@ -26,12 +26,8 @@ struct AbOptions {
     std::vector<std::string> rest;  // SCENE and the options that both sides share
 };
 
-Error usage(const std::string& option, const std::string& what) {
-    return {ErrorKind::usage, "", option, what};
-}
-
 // Empty when help was printed.
-Result<std::optional<AbOptions>> parse(std::span<const std::string> args) {
+Result<std::optional<AbOptions>> parse_ab(std::span<const std::string> args) {
     AbOptions o;
     CLI::App app("Two configurations of one view for equal time: which gives less error",
                  "talbot accuracy ab");
@@ -51,11 +47,11 @@ Result<std::optional<AbOptions>> parse(std::span<const std::string> args) {
     } catch (const CLI::ParseError& error) {
         std::string what = error.what();
         std::replace(what.begin(), what.end(), '\n', ' ');
-        return usage("accuracy ab", what + "; see talbot accuracy ab --help");
+        return usage_error("accuracy ab", what + "; see talbot accuracy ab --help");
     }
     o.rest = app.remaining();
     if (!(o.budget_seconds > 0) || o.budget_seconds > 1e6)
-        return usage("--budget", "must lie between 0 and 1000000 seconds");
+        return usage_error("--budget", "must lie between 0 and 1000000 seconds");
     return std::optional<AbOptions>(o);
 }
 
@@ -94,9 +90,9 @@ Status check_same_view(const Options& base, const Options& side, const std::stri
         return words;
     };
     if (place(base) != place(side) || side.headless())
-        return usage(option,
-                     "takes settings of a render only (--max-depth, --sampler, --no-nee, "
-                     "--effects, ...); scene, view and size hold for both sides");
+        return usage_error(option,
+                           "takes settings of a render only (--max-depth, --sampler, --no-nee, "
+                           "--effects, ...); scene, view and size hold for both sides");
     return Done{};
 }
 
@@ -190,7 +186,7 @@ int run_ab(std::span<const std::string> args) {
         log_error(error.line());
         return exit_code(error);
     };
-    const Result<std::optional<AbOptions>> options = parse(args);
+    const Result<std::optional<AbOptions>> options = parse_ab(args);
     if (!options) return fail(options.error());
     if (!*options) return kExitDone;
     const AbOptions& o = **options;

@@ -34,12 +34,8 @@ struct CertifyOptions {
     bool quick = false;
 };
 
-Error usage(const std::string& what) {
-    return {ErrorKind::usage, "", "accuracy certify", what};
-}
-
 // Empty when help was printed.
-Result<std::optional<CertifyOptions>> parse(std::span<const std::string> args) {
+Result<std::optional<CertifyOptions>> parse_certify(std::span<const std::string> args) {
     CertifyOptions o;
     CLI::App app("Stated errors against true ones; exit code 1 when a promise is broken",
                  "talbot accuracy certify");
@@ -68,26 +64,31 @@ Result<std::optional<CertifyOptions>> parse(std::span<const std::string> args) {
     } catch (const CLI::ParseError& error) {
         std::string what = error.what();
         std::replace(what.begin(), what.end(), '\n', ' ');
-        return usage(what + "; see talbot accuracy certify --help");
+        return usage_error("accuracy certify", what + "; see talbot accuracy certify --help");
     }
     if (o.quick) {
         o.seeds = 4;
         o.to = 64;
         o.pixels = 2304;
     }
-    if (o.seeds == 0 || o.seeds > 100000) return usage("--seeds must lie between 1 and 100000");
+    if (o.seeds == 0 || o.seeds > 100000)
+        return usage_error("accuracy certify", "--seeds must lie between 1 and 100000");
     if (!std::has_single_bit(o.from) || !std::has_single_bit(o.to) || o.from < 2 || o.to < o.from ||
         o.to > 1u << 20)
-        return usage("--from and --to must be powers of two, from 2 to 1048576, in this order");
+        return usage_error(
+            "accuracy certify",
+            "--from and --to must be powers of two, from 2 to 1048576, in this order");
     if (o.stop_to == 0) o.stop_to = o.to;
     if (!std::has_single_bit(o.stop_to) || o.stop_to < o.to || o.stop_to > 1u << 20)
-        return usage("--stop-to must be a power of two, from --to to 1048576");
+        return usage_error("accuracy certify",
+                           "--stop-to must be a power of two, from --to to 1048576");
     if (o.reference_factor < 4 || o.reference_factor > 4096)
-        return usage("--reference-factor must lie between 4 and 4096");
+        return usage_error("accuracy certify", "--reference-factor must lie between 4 and 4096");
     if (o.pixels < 64 || o.pixels > 1u << 24)
-        return usage("--pixels must lie between 64 and 16777216");
+        return usage_error("accuracy certify", "--pixels must lie between 64 and 16777216");
     if (!o.cache.empty() && !std::filesystem::is_directory(o.cache))
-        return usage("--cache: the folder '" + o.cache + "' does not exist");
+        return usage_error("accuracy certify",
+                           "--cache: the folder '" + o.cache + "' does not exist");
     if (o.scenes.empty() && o.list.empty()) {
         for (const char* name : {"cornell.gltf", "hero.glb", "spheres.gltf", "report.gltf",
                                  "report-extended.gltf", "rare-light.gltf"})
@@ -286,7 +287,7 @@ Status certify(const CertifyOptions& options, bool& kept) {
 }  // namespace
 
 int run_certify(std::span<const std::string> args) {
-    const Result<std::optional<CertifyOptions>> options = parse(args);
+    const Result<std::optional<CertifyOptions>> options = parse_certify(args);
     if (options && !*options) return kExitDone;
     bool kept = true;
     const Status status = options ? certify(**options, kept) : Status(options.error());

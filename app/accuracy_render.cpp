@@ -3,10 +3,10 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 
 #include "app/checkpoint.h"
+#include "core/base/cpu_clock.h"
 #include "core/session/render_pass.h"
 
 namespace talbot {
@@ -14,12 +14,6 @@ namespace {
 
 constexpr std::size_t kReferenceParts = 4;
 constexpr uint64_t kReferenceSeed = 0x7265666572656E63;  // "referenc"
-
-double process_cpu_seconds() {
-    timespec t{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 // Shares what the scene's renders have in common.
 PreparedView view_of(const AccuracyScene& scene, const RenderSettings& settings, WorkerPool& pool) {

@@ -10,7 +10,7 @@ namespace {
 using nlohmann::ordered_json;
 
 // JSON has no infinity; null stands for it.
-ordered_json number(double x) {
+ordered_json json_number(double x) {
     return std::isfinite(x) ? ordered_json(x) : ordered_json();
 }
 
@@ -19,9 +19,9 @@ ordered_json point_json(const CurvePoint& p) {
             {"seconds", p.seconds},
             {"cpu_seconds", p.cpu_seconds},
             {"rays", p.rays},
-            {"relrmse_percent", number(p.relrmse_percent)},
-            {"lo95", number(p.lo95)},
-            {"hi95", number(p.hi95)},
+            {"relrmse_percent", json_number(p.relrmse_percent)},
+            {"lo95", json_number(p.lo95)},
+            {"hi95", json_number(p.hi95)},
             {"exponent", p.exponent},
             {"trust", trust_name(p.trust)}};
 }
@@ -45,11 +45,11 @@ ordered_json result_json(const SweepResult& r, std::size_t rank) {
                      {"floor_percent", f.relrmse_percent},
                      {"hi95", f.hi95},
                      {"significant", f.significant},
-                     {"z", number(f.z)},
+                     {"z", json_number(f.z)},
                      {"block_p_value", f.block_p_value},
                      {"brightness_percent", f.brightness_percent},
                      {"loss_after_seconds",
-                      r.loss_after_seconds ? number(*r.loss_after_seconds) : ordered_json()}};
+                      r.loss_after_seconds ? json_number(*r.loss_after_seconds) : ordered_json()}};
     } else {
         j["bias"] = nullptr;
     }
@@ -113,9 +113,9 @@ std::string report_json(const AccuracyReport& report) {
         advisor["verified"] = {{"met", v.met},
                                {"seconds", v.seconds},
                                {"samples", v.error.samples},
-                               {"relrmse_percent", number(v.error.relrmse_percent)},
-                               {"lo95", number(v.error.lo95)},
-                               {"hi95", number(v.error.hi95)},
+                               {"relrmse_percent", json_number(v.error.relrmse_percent)},
+                               {"lo95", json_number(v.error.lo95)},
+                               {"hi95", json_number(v.error.hi95)},
                                {"trust", trust_name(v.error.trust)}};
     } else {
         advisor["verified"] = nullptr;

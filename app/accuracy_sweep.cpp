@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "app/exit_code.h"
 #include "core/base/log.h"
 #include "core/scene/effects_off.h"
 #include "core/session/bias_ledger.h"
@@ -14,10 +15,6 @@ namespace talbot {
 namespace {
 
 constexpr uint64_t kMostSamples = uint64_t{1} << 30;
-
-Error usage(const std::string& what) {
-    return {ErrorKind::usage, "", "--sweep", what};
-}
 
 // Names with commas as words of --effects that force off.
 std::string negated(const std::string& names) {
@@ -206,7 +203,7 @@ Result<std::vector<SweepConfig>> sweep_configs(const RenderSettings& base,
     for (const std::string& sweep : sweeps.empty() ? default_sweeps(base) : sweeps) {
         const std::size_t equals = sweep.find('=');
         if (equals == std::string::npos || equals == 0 || equals + 1 == sweep.size())
-            return usage("'" + sweep + "' is not KEY=value,value");
+            return usage_error("--sweep", "'" + sweep + "' is not KEY=value,value");
         const std::string key = sweep.substr(0, equals);
         std::size_t start = equals + 1;
         while (start <= sweep.size()) {
@@ -216,13 +213,14 @@ Result<std::vector<SweepConfig>> sweep_configs(const RenderSettings& base,
             config.value = sweep.substr(start, comma - start);
             config.settings = base;
             if (const std::string problem = apply(key, config.value, config); !problem.empty())
-                return usage(sweep + ": " + problem);
+                return usage_error("--sweep", sweep + ": " + problem);
             start = comma + 1;
             if (!(config.settings == base) || sweeps.empty()) configs.push_back(std::move(config));
         }
     }
     constexpr std::size_t kMost = 64;
-    if (configs.size() > kMost) return usage("at most 64 configurations in one run");
+    if (configs.size() > kMost)
+        return usage_error("--sweep", "at most 64 configurations in one run");
     return configs;
 }
 

@@ -24,10 +24,6 @@ struct CompareOptions {
     double exposure_ev = 0;
 };
 
-Error usage(const std::string& what) {
-    return {ErrorKind::usage, "", "compare", what};
-}
-
 bool ends_with(std::string text, std::string_view tail) {
     std::transform(text.begin(), text.end(), text.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -35,7 +31,7 @@ bool ends_with(std::string text, std::string_view tail) {
 }
 
 // Empty when help was printed.
-Result<std::optional<CompareOptions>> parse(std::span<const std::string> args) {
+Result<std::optional<CompareOptions>> parse_compare(std::span<const std::string> args) {
     CompareOptions options;
     CLI::App app("Errors of image A against reference B", "talbot compare");
     app.add_option("A", options.image, "image: .exr, .hdr, .pfm, .png or a raw film")->required();
@@ -51,12 +47,12 @@ Result<std::optional<CompareOptions>> parse(std::span<const std::string> args) {
     } catch (const CLI::ParseError& error) {
         std::string what = error.what();
         std::replace(what.begin(), what.end(), '\n', ' ');
-        return usage(what + "; see talbot compare --help");
+        return usage_error("compare", what + "; see talbot compare --help");
     }
     if (!std::isfinite(options.exposure_ev) || std::abs(options.exposure_ev) > 64)
-        return usage("--exposure must lie between -64 and 64 EV");
+        return usage_error("compare", "--exposure must lie between -64 and 64 EV");
     if (!options.output.empty() && !ends_with(options.output, ".png"))
-        return usage("--output must end in .png");
+        return usage_error("compare", "--output must end in .png");
     return std::optional<CompareOptions>(options);
 }
 
@@ -93,7 +89,7 @@ ordered_json to_json(const CompareOptions& o, const ImageRgba& image, const Imag
     };
 }
 
-void print_text(const ImageErrors& e) {
+void print_compared(const ImageErrors& e) {
     std::printf("%-14s%.4g %%  (relMSE %.4g)\n", "relRMSE", e.relrmse_percent, e.relmse);
     std::printf("%-14s%.4g %%  without the worst 0.1 %% of pixels\n", "trimmed", e.trimmed_percent);
     std::printf("%-14s%.4g %%  8x8 pixels at (%u, %u)\n", "worst block", e.worst_block_percent,
@@ -137,7 +133,7 @@ Status compare(const CompareOptions& options) {
         std::fputs(text.c_str(), stdout);
         return Done{};
     }
-    print_text(errors);
+    print_compared(errors);
     if (options.json.empty()) return Done{};
     return write_file_atomically(options.json,
                                  {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
@@ -146,7 +142,7 @@ Status compare(const CompareOptions& options) {
 }  // namespace
 
 int run_compare(std::span<const std::string> args) {
-    const Result<std::optional<CompareOptions>> options = parse(args);
+    const Result<std::optional<CompareOptions>> options = parse_compare(args);
     if (options && !*options) return kExitDone;
     const Status status = options ? compare(**options) : Status(options.error());
     if (status) return kExitDone;

@@ -1,6 +1,8 @@
 // The program's exit codes, and the one place that maps errors to them.
 #pragma once
 
+#include <string>
+
 #include "core/base/result.h"
 
 namespace talbot {
@@ -13,6 +15,11 @@ enum ExitCode : int {
     kExitCannotWrite = 4,
     kExitInterrupted = 130,
 };
+
+// A command or option that was used wrongly.
+inline Error usage_error(const std::string& option, const std::string& what) {
+    return {ErrorKind::usage, "", option, what};
+}
 
 inline int exit_code(const Error& error) {
     switch (error.kind) {

@@ -25,12 +25,8 @@ struct MergeOptions {
     DisplaySettings display;
 };
 
-Error usage(const std::string& what) {
-    return {ErrorKind::usage, "", "merge", what};
-}
-
 // Empty when help was printed.
-Result<std::optional<MergeOptions>> parse(std::span<const std::string> args) {
+Result<std::optional<MergeOptions>> parse_merge(std::span<const std::string> args) {
     MergeOptions options;
     double exposure_ev = 0;
     std::string tone_map;
@@ -51,14 +47,14 @@ Result<std::optional<MergeOptions>> parse(std::span<const std::string> args) {
     } catch (const CLI::ParseError& error) {
         std::string what = error.what();
         std::replace(what.begin(), what.end(), '\n', ' ');
-        return usage(what + "; see talbot merge --help");
+        return usage_error("merge", what + "; see talbot merge --help");
     }
     if (!std::isfinite(exposure_ev) || std::abs(exposure_ev) > 64)
-        return usage("--exposure must lie between -64 and 64 EV");
+        return usage_error("merge", "--exposure must lie between -64 and 64 EV");
     options.display.exposure_ev = static_cast<float>(exposure_ev);
     if (!tone_map.empty()) {
         const std::optional<ToneMap> known = tone_map_from_name(tone_map);
-        if (!known) return usage("--tone-map: '" + tone_map + "' is not known");
+        if (!known) return usage_error("merge", "--tone-map: '" + tone_map + "' is not known");
         options.display.tone_map = *known;
     }
     return std::optional<MergeOptions>(options);
@@ -127,7 +123,7 @@ ordered_json summary(const MergeOptions& options, const FilmFile& file) {
     return j;
 }
 
-void print_text(const ordered_json& j) {
+void print_merged(const ordered_json& j) {
     std::printf("%s: %llu samples a pixel of %zu parts, from sample %llu\n",
                 j["output"].get<std::string>().c_str(), j["passes"].get<unsigned long long>(),
                 j["parts"].get<std::size_t>(), j["first_sample"].get<unsigned long long>());
@@ -156,7 +152,7 @@ Status merge(const MergeOptions& options) {
         std::fputs(text.c_str(), stdout);
         return Done{};
     }
-    print_text(j);
+    print_merged(j);
     if (options.json.empty()) return Done{};
     return write_file_atomically(options.json,
                                  {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
@@ -165,7 +161,7 @@ Status merge(const MergeOptions& options) {
 }  // namespace
 
 int run_merge(std::span<const std::string> args) {
-    const Result<std::optional<MergeOptions>> options = parse(args);
+    const Result<std::optional<MergeOptions>> options = parse_merge(args);
     if (options && !*options) return kExitDone;
     const Status status = options ? merge(**options) : Status(options.error());
     if (status) return kExitDone;

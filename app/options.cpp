@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "app/exit_code.h"
 #include "core/scene/effects_off.h"
 
 namespace talbot {
@@ -27,10 +28,6 @@ struct RawOptions {
     bool no_nee = false;
 };
 
-Error usage(const std::string& option, const std::string& what) {
-    return {ErrorKind::usage, "", option, what};
-}
-
 template <typename Table>
 std::string names_of(const Table& table) {
     std::string text;
@@ -49,7 +46,7 @@ Status set_from_table(const std::string& word, const std::string& option, const 
             return Done{};
         }
     }
-    return usage(option, "'" + word + "' is not known; use one of " + names_of(table));
+    return usage_error(option, "'" + word + "' is not known; use one of " + names_of(table));
 }
 
 // Comma-separated finite numbers, exactly `count` of them.
@@ -63,15 +60,15 @@ Result<std::vector<double>> parse_numbers(const std::string& text, const std::st
         char* end = nullptr;
         const double value = std::strtod(part.c_str(), &end);
         if (part.empty() || *end != '\0' || !std::isfinite(value)) {
-            return usage(option, "'" + part + "' is not a number; give " + std::to_string(count) +
-                                     " numbers with commas");
+            return usage_error(option, "'" + part + "' is not a number; give " +
+                                           std::to_string(count) + " numbers with commas");
         }
         numbers.push_back(value);
         start = comma + 1;
     }
     if (numbers.size() != count) {
-        return usage(option, "needs " + std::to_string(count) + " numbers with commas, got " +
-                                 std::to_string(numbers.size()));
+        return usage_error(option, "needs " + std::to_string(count) + " numbers with commas, got " +
+                                       std::to_string(numbers.size()));
     }
     return numbers;
 }
@@ -84,8 +81,8 @@ Status set_whole(const std::string& text, const std::string& option, uint64_t mo
     const char* end = text.data() + text.size();
     const auto [stop, code] = std::from_chars(text.data(), end, number);
     if (code != std::errc{} || stop != end || number > most) {
-        return usage(option,
-                     "'" + text + "' is not a whole number from 0 to " + std::to_string(most));
+        return usage_error(
+            option, "'" + text + "' is not a whole number from 0 to " + std::to_string(most));
     }
     value = static_cast<T>(number);
     return Done{};
@@ -97,7 +94,7 @@ Status convert_whole_numbers(const RawOptions& raw, Options& o) {
     uint64_t frames = 0;
     if (Status s = set_whole(raw.frames, "--frames", kMostSamples, frames); !s) return s;
     if (!raw.frames.empty()) {
-        if (frames == 0) return usage("--frames", "must be at least 1");
+        if (frames == 0) return usage_error("--frames", "must be at least 1");
         o.frames = frames;
     }
     if (Status s = set_whole(raw.seed, "--seed", kMost64, o.render.seed); !s) return s;
@@ -111,7 +108,7 @@ Status convert_whole_numbers(const RawOptions& raw, Options& o) {
         return s;
     if (Status s = set_whole(raw.tile_size, "--tile-size", kMaxSide, o.render.tile_size); !s)
         return s;
-    if (o.render.tile_size == 0) return usage("--tile-size", "must be at least 1");
+    if (o.render.tile_size == 0) return usage_error("--tile-size", "must be at least 1");
     return Done{};
 }
 
@@ -122,13 +119,14 @@ Result<Resolution> parse_size(const std::string& text) {
     const bool digits = text.find_first_not_of("0123456789x") == std::string::npos;
     if (!digits || text.size() > 16 ||
         std::sscanf(text.c_str(), "%llux%llu%c", &width, &height, &tail) != 2) {
-        return usage("--size", "'" + text + "' is not WIDTHxHEIGHT, e.g. 960x540");
+        return usage_error("--size", "'" + text + "' is not WIDTHxHEIGHT, e.g. 960x540");
     }
     if (width == 0 || height == 0)
-        return usage("--size", "'" + text + "' has no pixels; both sides must be at least 1");
+        return usage_error("--size", "'" + text + "' has no pixels; both sides must be at least 1");
     if (width > kMaxSide || height > kMaxSide || width * height > kMaxPixels) {
-        return usage("--size", "'" + text + "' is too large; at most " + std::to_string(kMaxSide) +
-                                   " a side and " + std::to_string(kMaxPixels) + " pixels in all");
+        return usage_error("--size", "'" + text + "' is too large; at most " +
+                                         std::to_string(kMaxSide) + " a side and " +
+                                         std::to_string(kMaxPixels) + " pixels in all");
     }
     return Resolution{static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
 }
@@ -191,7 +189,8 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
     app.add_option("--log", raw.log, "error, warning, info or debug");
     app.set_version_flag("--version", "talbot " TALBOT_VERSION);
     app.footer(
-        "Commands: talbot info SCENE [--json], talbot effects SCENE [--json], talbot accuracy SCENE, "
+        "Commands: talbot info SCENE [--json], talbot effects SCENE [--json], talbot accuracy "
+        "SCENE, "
         "talbot hardcases, talbot compare A B, talbot merge OUT IN...\n"
         "Exit codes: 0 done, 1 failed, 2 usage, 3 bad input file, 4 cannot write, 130 "
         "interrupted.");
@@ -200,10 +199,10 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
 Status convert_effects(const std::string& text, Options& o) {
     if (const std::optional<std::string> word =
             parse_effect_list(text, o.render.forced_on, o.render.forced_off)) {
-        return usage("--effects", "'" + *word +
-                                      "' is not an effect; use auto, all, or with commas and "
-                                      "with - to take it away " +
-                                      names_of(kEffects));
+        return usage_error("--effects", "'" + *word +
+                                            "' is not an effect; use auto, all, or with commas and "
+                                            "with - to take it away " +
+                                            names_of(kEffects));
     }
     return Done{};
 }
@@ -217,7 +216,8 @@ Status convert_aovs(const std::string& text, Options& o) {
         start = comma + 1;
         const std::optional<Aov> aov = aov_from_name(word);
         if (!aov)
-            return usage("--aov", "'" + word + "' is not known; use all or of " + names_of(kAovs));
+            return usage_error("--aov",
+                               "'" + word + "' is not known; use all or of " + names_of(kAovs));
         if (std::find(o.aovs.begin(), o.aovs.end(), *aov) == o.aovs.end()) o.aovs.push_back(*aov);
     }
     for (const AovInfo& info : kAovs) {
@@ -228,7 +228,8 @@ Status convert_aovs(const std::string& text, Options& o) {
     const bool has_exr =
         std::any_of(o.outputs.begin(), o.outputs.end(),
                     [](const std::string& file) { return file.ends_with(".exr"); });
-    if (!has_exr) return usage("--aov", "goes into .exr files; name one with --output FILE.exr");
+    if (!has_exr)
+        return usage_error("--aov", "goes into .exr files; name one with --output FILE.exr");
     return Done{};
 }
 
@@ -242,32 +243,33 @@ Status convert_numbers(const RawOptions& raw, Options& o) {
         const Result<std::vector<double>> n = parse_numbers(raw.orbit, "--orbit", 7);
         if (!n) return n.error();
         const std::vector<double>& v = *n;
-        if (!(v[5] > 0)) return usage("--orbit", "the radius must be above 0");
+        if (!(v[5] > 0)) return usage_error("--orbit", "the radius must be above 0");
         if (!(v[6] > 0 && v[6] < 180))
-            return usage("--orbit", "the field of view must lie between 0 and 180 degrees");
+            return usage_error("--orbit", "the field of view must lie between 0 and 180 degrees");
         o.orbit = Orbit{Vec3d(v[0], v[1], v[2]), v[3], v[4], v[5], v[6]};
     }
     if (!raw.pixel.empty()) {
         const Result<std::vector<double>> n = parse_numbers(raw.pixel, "--pixel", 2);
         if (!n) return n.error();
-        if ((*n)[0] < 0 || (*n)[1] < 0) return usage("--pixel", "must not be negative");
+        if ((*n)[0] < 0 || (*n)[1] < 0) return usage_error("--pixel", "must not be negative");
         o.pixel = PixelAddress{static_cast<uint32_t>((*n)[0]), static_cast<uint32_t>((*n)[1])};
     }
     const auto positive = [](const std::optional<double>& value) {
         return !value || (std::isfinite(*value) && *value > 0);
     };
-    if (!positive(o.time_seconds)) return usage("--time", "must be above 0 seconds");
+    if (!positive(o.time_seconds)) return usage_error("--time", "must be above 0 seconds");
     if (!positive(o.target_error_percent))
-        return usage("--target-error", "must be above 0 per cent");
-    if (!positive(raw.every)) return usage("--every", "must be above 0 seconds");
+        return usage_error("--target-error", "must be above 0 per cent");
+    if (!positive(raw.every)) return usage_error("--every", "must be above 0 seconds");
     if (raw.every && o.checkpoint.empty())
-        return usage("--every", "says how often to save; name the file with --checkpoint FILE");
+        return usage_error("--every",
+                           "says how often to save; name the file with --checkpoint FILE");
     constexpr double kCheckpointSeconds = 60;
     o.checkpoint_seconds = raw.every.value_or(kCheckpointSeconds);
     if (!std::isfinite(raw.exposure) || std::abs(raw.exposure) > 64)
-        return usage("--exposure", "must lie between -64 and 64 EV");
+        return usage_error("--exposure", "must lie between -64 and 64 EV");
     if (!std::isfinite(o.environment_rotation))
-        return usage("--environment-rotation", "must be a finite angle");
+        return usage_error("--environment-rotation", "must be a finite angle");
     o.display.exposure_ev = static_cast<float>(raw.exposure);
     return Done{};
 }
@@ -290,8 +292,8 @@ Status convert(const RawOptions& raw, Options& o) {
     if (Status s = convert_effects(raw.effects, o); !s) return s;
     if (Status s = convert_aovs(raw.aovs, o); !s) return s;
     if (raw.background != "environment" && raw.background != "transparent") {
-        return usage("--background",
-                     "'" + raw.background + "' is not known; use environment or transparent");
+        return usage_error("--background",
+                           "'" + raw.background + "' is not known; use environment or transparent");
     }
     o.render.transparent_background = raw.background == "transparent";
     o.render.russian_roulette = !raw.no_roulette;
@@ -308,7 +310,8 @@ Status convert(const RawOptions& raw, Options& o) {
         }
     }
     if (!known)
-        return usage("--log", "'" + raw.log + "' is not known; use error, warning, info or debug");
+        return usage_error("--log",
+                           "'" + raw.log + "' is not known; use error, warning, info or debug");
     if (raw.quiet) o.log_level = LogLevel::error;
     return Done{};
 }
@@ -319,15 +322,16 @@ Status check_combination(const RawOptions& raw, const Options& o) {
                         !o.resume.empty() || !o.screenshot.empty();
     const bool ends = o.frames || o.time_seconds || o.target_error_percent;
     if (o.pixel && (writes || ends || !o.report.empty() || !o.interact.empty()))
-        return usage("--pixel", "replays one sample and writes no file; leave out the others");
+        return usage_error("--pixel",
+                           "replays one sample and writes no file; leave out the others");
     if (!o.pixel && !raw.sample.empty())
-        return usage("--sample", "says which sample --pixel X,Y replays; give that, too");
+        return usage_error("--sample", "says which sample --pixel X,Y replays; give that, too");
     if (!o.interact.empty() && writes)
-        return usage("--interact",
-                     "writes files by its own steps (save, screenshot); leave out "
-                     "--output and the like");
+        return usage_error("--interact",
+                           "writes files by its own steps (save, screenshot); leave out "
+                           "--output and the like");
     if (o.orbit && !o.camera.empty())
-        return usage("--orbit", "is itself a camera; leave out --camera");
+        return usage_error("--orbit", "is itself a camera; leave out --camera");
     return Done{};
 }
 
@@ -354,12 +358,12 @@ Result<std::optional<Options>> parse_options(int argc, char** argv) {
     } catch (const CLI::ParseError& error) {
         std::string what = error.what();
         for (char& c : what) c = c == '\n' ? ' ' : c;
-        return usage("command line", what + "; see talbot --help");
+        return usage_error("command line", what + "; see talbot --help");
     }
     // Typically a shell variable that is not set; it must not pass for "option not given".
     for (const CLI::Option* option : app.get_options()) {
         for (const std::string& value : option->results()) {
-            if (value.empty()) return usage(option->get_name(), "has an empty value");
+            if (value.empty()) return usage_error(option->get_name(), "has an empty value");
         }
     }
     if (Status status = convert(raw, options); !status) return status.error();

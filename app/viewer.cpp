@@ -77,7 +77,7 @@ Status run_viewer(const ViewerOptions& options) {
     while (!loop.quit_requested()) {
         const double since = now_seconds() - last_frame;
         if (!loop.needs_frame()) {
-            window.wait(loop.input(), kIdleSeconds);
+            window.wait(loop.input(), loop.jobs().busy() ? kFrameSeconds : kIdleSeconds);
         } else if (since < kFrameSeconds) {
             window.wait(loop.input(), kFrameSeconds - since);
             continue;

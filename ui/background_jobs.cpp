@@ -63,6 +63,12 @@ void BackgroundJobs::reread_scene(std::shared_ptr<GltfFile> file, const SceneCho
           });
 }
 
+bool BackgroundJobs::has_outcome() const {
+    return std::any_of(jobs_.begin(), jobs_.end(), [](const std::unique_ptr<Job>& job) {
+        return job->done.load(std::memory_order_acquire);
+    });
+}
+
 bool BackgroundJobs::loading() const {
     return std::any_of(jobs_.begin(), jobs_.end(),
                        [](const std::unique_ptr<Job>& job) { return job->load && !job->replaced; });

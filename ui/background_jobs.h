@@ -55,6 +55,8 @@ class BackgroundJobs {
     std::optional<Outcome> poll();
 
     bool busy() const { return !jobs_.empty(); }
+    // Whether poll() would give something.
+    bool has_outcome() const;
     // Whether a load or a rereading is under way.
     bool loading() const;
 

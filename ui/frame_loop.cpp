@@ -20,6 +20,7 @@ constexpr double kResizeRest = 0.12;
 // A frame is put off this long for the image that its own change asked for.
 constexpr double kLatchSeconds = 0.03;
 constexpr double kNoticeSeconds = 6;
+constexpr double kProgressSeconds = 0.1;
 
 }  // namespace
 
@@ -78,7 +79,9 @@ void FrameLoop::show(LoadedScene loaded) {
 }
 
 bool FrameLoop::needs_frame() const {
-    if (settle_frames_ > 0 || !input_.empty() || edits_.any() || jobs_.busy() || !notice_.empty())
+    if (settle_frames_ > 0 || !input_.empty() || edits_.any() || jobs_.has_outcome()) return true;
+    // Progress and notices change slowly; a frame costs what their work could use.
+    if ((jobs_.busy() || !notice_.empty()) && now_seconds() - last_step_ >= kProgressSeconds)
         return true;
     if (session_.latest() != snapshot_) return true;
     if (ab_.is_running() && ab_.latest() != shown_ab_) return true;

@@ -8,11 +8,20 @@
 namespace talbot {
 namespace {
 
-enum class Group { materials, lights, scene, environment, camera, render, display, session };
+enum class ParameterGroup {
+    materials,
+    lights,
+    scene,
+    environment,
+    camera,
+    render,
+    display,
+    session
+};
 
 // A path taken apart: group, index where the group is a list, and the name of the value.
 struct Target {
-    Group group;
+    ParameterGroup group;
     uint32_t index = 0;
     std::string_view name;
 };
@@ -42,21 +51,21 @@ Result<Target> parse_path(const ViewerModel& model, std::string_view path) {
     if (dot == std::string_view::npos || dot + 1 == path.size()) {
         return bad_path(path, "not a parameter path; write GROUP.NAME, e.g. camera.yfov");
     }
-    Target target{Group::camera, 0, path.substr(dot + 1)};
+    Target target{ParameterGroup::camera, 0, path.substr(dot + 1)};
     if (bracket == std::string_view::npos) {
         const std::string_view group = path.substr(0, dot);
         if (group == "environment")
-            target.group = Group::environment;
+            target.group = ParameterGroup::environment;
         else if (group == "scene")
-            target.group = Group::scene;
+            target.group = ParameterGroup::scene;
         else if (group == "camera")
-            target.group = Group::camera;
+            target.group = ParameterGroup::camera;
         else if (group == "render")
-            target.group = Group::render;
+            target.group = ParameterGroup::render;
         else if (group == "display")
-            target.group = Group::display;
+            target.group = ParameterGroup::display;
         else if (group == "session")
-            target.group = Group::session;
+            target.group = ParameterGroup::session;
         else
             return bad_path(path,
                             "unknown group; there are materials[i], lights[i], scene, "
@@ -69,17 +78,17 @@ Result<Target> parse_path(const ViewerModel& model, std::string_view path) {
     const std::string_view inside = path.substr(bracket + 1, dot - bracket - 2);
     std::optional<uint32_t> index;
     if (group == "materials") {
-        target.group = Group::materials;
+        target.group = ParameterGroup::materials;
         index = index_of(inside, model.materials);
     } else if (group == "lights") {
-        target.group = Group::lights;
+        target.group = ParameterGroup::lights;
         index = index_of(inside, model.lights);
     } else {
         return bad_path(path, "unknown list; there are materials[i] and lights[i]");
     }
     if (!index) {
-        const std::size_t count =
-            target.group == Group::materials ? model.materials.size() : model.lights.size();
+        const std::size_t count = target.group == ParameterGroup::materials ? model.materials.size()
+                                                                            : model.lights.size();
         return bad_path(path, "no such entry; the scene has " + std::to_string(count) + " " +
                                   std::string(group));
     }
@@ -98,21 +107,21 @@ Result<Value> visit_parameter(Model& model, std::string_view path, const Target&
         return visit(*parameter, owner);
     };
     switch (target.group) {
-        case Group::materials:
+        case ParameterGroup::materials:
             return look_up(material_parameters(), model.materials[target.index]);
-        case Group::lights:
+        case ParameterGroup::lights:
             return look_up(light_parameters(), model.lights[target.index]);
-        case Group::scene:
+        case ParameterGroup::scene:
             return look_up(scene_parameters(), model);
-        case Group::environment:
+        case ParameterGroup::environment:
             return look_up(environment_parameters(), model.environment);
-        case Group::camera:
+        case ParameterGroup::camera:
             return look_up(camera_parameters(), model.view);
-        case Group::render:
+        case ParameterGroup::render:
             return look_up(render_parameters(), model.settings);
-        case Group::display:
+        case ParameterGroup::display:
             return look_up(display_parameters(), model);
-        case Group::session:
+        case ParameterGroup::session:
             break;
     }
     return look_up(session_parameters(), model);
@@ -120,27 +129,27 @@ Result<Value> visit_parameter(Model& model, std::string_view path, const Target&
 
 void note_edit(Edits& edits, const Target& target) {
     switch (target.group) {
-        case Group::materials:
+        case ParameterGroup::materials:
             edits.materials.insert(target.index);
             break;
-        case Group::lights:
+        case ParameterGroup::lights:
             edits.lights.insert(target.index);
             break;
-        case Group::environment:
+        case ParameterGroup::environment:
             edits.environment = true;
             break;
-        case Group::camera:
+        case ParameterGroup::camera:
             edits.camera = true;
             break;
-        case Group::render:
+        case ParameterGroup::render:
             edits.settings = true;
             break;
-        case Group::display:
+        case ParameterGroup::display:
             edits.aov |= target.name == "aov";
             break;
-        case Group::scene:
+        case ParameterGroup::scene:
             break;
-        case Group::session:
+        case ParameterGroup::session:
             edits.paused |= target.name == "paused";
             edits.pass_limit |= target.name == "pass_limit";
             break;

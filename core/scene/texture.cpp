@@ -113,13 +113,30 @@ Vec4f TexelRange::value(TextureEncoding encoding) const {
 TexelRange texel_range(const Image8& image) {
     TexelRange range;
     if (image.rgba.size() < 4) return range;
+    // Eight texels side by side: the compiler makes one instruction of a row.
+    constexpr std::size_t kRow = 32;
+    std::array<uint8_t, kRow> least;
+    std::array<uint8_t, kRow> most;
+    least.fill(255);
+    most.fill(0);
+    const std::size_t size = image.rgba.size() / 4 * 4;
+    const uint8_t* const bytes = image.rgba.data();
+    std::size_t i = 0;
+    for (; i + kRow <= size; i += kRow) {
+        for (std::size_t k = 0; k < kRow; ++k) {
+            least[k] = std::min(least[k], bytes[i + k]);
+            most[k] = std::max(most[k], bytes[i + k]);
+        }
+    }
+    for (; i < size; ++i) {
+        least[i % kRow] = std::min(least[i % kRow], bytes[i]);
+        most[i % kRow] = std::max(most[i % kRow], bytes[i]);
+    }
     range.least = {255, 255, 255, 255};
     range.most = {0, 0, 0, 0};
-    for (std::size_t i = 0; i + 3 < image.rgba.size(); i += 4) {
-        for (std::size_t c = 0; c < 4; ++c) {
-            range.least[c] = std::min(range.least[c], image.rgba[i + c]);
-            range.most[c] = std::max(range.most[c], image.rgba[i + c]);
-        }
+    for (std::size_t k = 0; k < kRow; ++k) {
+        range.least[k % 4] = std::min(range.least[k % 4], least[k]);
+        range.most[k % 4] = std::max(range.most[k % 4], most[k]);
     }
     return range;
 }

@@ -3,21 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ctime>
 
 #include "core/accuracy/error_estimate.h"
+#include "core/base/cpu_clock.h"
 #include "core/integrate/kernel.h"
 
 namespace talbot {
 namespace {
 
 constexpr uint32_t kTile = 16;  // pixels a side
-
-double thread_seconds() {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec) / 1e9;
-}
 
 // One side of the comparisons, rendered tile by tile on this thread.
 class Contender {
@@ -32,12 +26,20 @@ class Contender {
     void clear() { film_.clear(); }
     // Brings a tile to `samples` a pixel and returns the seconds of this thread.
     double render(uint32_t x, uint32_t y, uint64_t samples, const std::stop_token& stop) {
-        TileJob job{view_.scene.get(), &camera_, &path_, &film_, first_sample_, samples, x, y,
-                    std::min(x + kTile, film_.width()), std::min(y + kTile, film_.height())};
+        TileJob job{view_.scene.get(),
+                    &camera_,
+                    &path_,
+                    &film_,
+                    first_sample_,
+                    samples,
+                    x,
+                    y,
+                    std::min(x + kTile, film_.width()),
+                    std::min(y + kTile, film_.height())};
         TileCounts counts;
-        const double start = thread_seconds();
+        const double start = thread_cpu_seconds();
         tile_kernel(view_.tier)(job, stop, counts);
-        return thread_seconds() - start;
+        return thread_cpu_seconds() - start;
     }
     void render_all(uint64_t samples, const std::stop_token& stop) {
         for (uint32_t y = 0; y < film_.height(); y += kTile) {
@@ -73,16 +75,16 @@ void time_in_turn(std::vector<std::unique_ptr<Contender>>& contenders, const Pri
             for (std::size_t k = 0; k < contenders.size(); ++k) {
                 // Nobody always follows the same one.
                 const std::size_t i = (k + static_cast<std::size_t>(round)) % contenders.size();
-                const double seconds =
-                    contenders[i]->render(tile % columns * kTile, tile / columns * kTile,
-                                          policy.slice_samples, stop);
+                const double seconds = contenders[i]->render(
+                    tile % columns * kTile, tile / columns * kTile, policy.slice_samples, stop);
                 if (stop.stop_requested()) return;
                 for (const std::size_t set : {std::size_t{0}, std::size_t{1} + round % 2})
                     least[i][tile][set] = std::min(least[i][tile][set], seconds);
             }
         }
         if (progress)
-            progress(0.5f + 0.5f * static_cast<float>(round + 1) / static_cast<float>(policy.rounds));
+            progress(0.5f +
+                     0.5f * static_cast<float>(round + 1) / static_cast<float>(policy.rounds));
     }
     for (std::size_t i = 0; i < contenders.size(); ++i) {
         for (const Least& slice : least[i]) {
@@ -116,8 +118,8 @@ double share_percent(double with, double without) {
 }
 
 RenderSettings small_image(RenderSettings settings, uint32_t pixels) {
-    const double scale = std::min(
-        1.0, std::sqrt(pixels / (static_cast<double>(settings.width) * settings.height)));
+    const double scale =
+        std::min(1.0, std::sqrt(pixels / (static_cast<double>(settings.width) * settings.height)));
     const auto scaled = [&](uint32_t side) {
         return std::max(1u, static_cast<uint32_t>(std::lround(side * scale)));
     };
@@ -152,12 +154,9 @@ std::string_view effect_state_name(EffectState state) {
     return "auto";
 }
 
-std::optional<std::vector<EffectPrice>> price_effects(const std::shared_ptr<const Scene>& scene,
-                                                      const Camera& camera,
-                                                      const RenderSettings& given,
-                                                      const PricePolicy& policy,
-                                                      std::stop_token stop,
-                                                      const std::function<void(float)>& progress) {
+std::optional<std::vector<EffectPrice>> price_effects(
+    const std::shared_ptr<const Scene>& scene, const Camera& camera, const RenderSettings& given,
+    const PricePolicy& policy, std::stop_token stop, const std::function<void(float)>& progress) {
     WorkerPool pool(1);
     const RenderSettings settings = small_image(given, policy.pixels);
     std::vector<std::unique_ptr<Contender>> contenders;
@@ -195,8 +194,8 @@ std::optional<std::vector<EffectPrice>> price_effects(const std::shared_ptr<cons
         const Contender& without = is_off ? *contenders[0] : *contenders[i + 1];
         EffectPrice price;
         price.effect = effects[i];
-        price.error_percent = share_percent(half_distance(with, with.film()),
-                                            half_distance(without, with.film()));
+        price.error_percent =
+            share_percent(half_distance(with, with.film()), half_distance(without, with.film()));
         price.change = measure_floor(without.half, without.film(), with.half, with.film());
         prices.push_back(price);
     }

@@ -1,7 +1,6 @@
 // With c_k the part k of a pixel and T their sum, var T = sum of cov(c_k, T): what cov(c_k, T) is
 // of it is the share of k. Variances are those between renders with seeds of their own, as in a
 // scrambled sequence single samples are no measure.
-#include "core/session/prepared_view.h"
 #include "core/session/error_shares.h"
 
 #include <algorithm>
@@ -11,11 +10,12 @@
 
 #include "core/accuracy/error_estimate.h"
 #include "core/integrate/path_kinds.h"
+#include "core/session/prepared_view.h"
 
 namespace talbot {
 namespace {
 
-constexpr uint64_t kSamples = 8;  // a pixel and render
+constexpr uint64_t kShareSamples = 8;  // a pixel and render
 constexpr uint64_t kLeastRenders = 4, kMostRenders = 64;
 constexpr std::size_t kNamedLights = 8;
 constexpr uint32_t kRadius = 3;  // of the window that r is the mean over
@@ -109,7 +109,7 @@ class Diagnosis {
                 for (uint32_t x = 0; x < settings_.width; ++x) {
                     if (stop.stop_requested()) return;
                     std::fill(sums.begin(), sums.end(), 0.0);
-                    for (uint64_t s = 0; s < kSamples; ++s)
+                    for (uint64_t s = 0; s < kShareSamples; ++s)
                         rays[row] += sample(sorter, x, y, s, sums);
                     keep(std::size_t{y} * settings_.width + x, sums);
                 }
@@ -127,7 +127,7 @@ class Diagnosis {
         Measurement m;
         m.renders = renders_;
         m.rays = static_cast<double>(rays_) /
-                 (static_cast<double>(renders_ * kSamples) * static_cast<double>(pixels_));
+                 (static_cast<double>(renders_ * kShareSamples) * static_cast<double>(pixels_));
         m.parts.resize(slots_.count());
         const std::vector<double> r = window_means();
         const std::size_t total = slots_.count();
@@ -190,10 +190,10 @@ class Diagnosis {
     void keep(std::size_t pixel, const std::vector<double>& sums) {
         const std::size_t stride = slots_.count() + 1;
         for (std::size_t c = 0; c < 3; ++c) {
-            const double whole = sums[3 * (stride - 1) + c] / static_cast<double>(kSamples);
+            const double whole = sums[3 * (stride - 1) + c] / static_cast<double>(kShareSamples);
             for (std::size_t k = 0; k < stride; ++k) {
                 Cell& to = cells_[(pixel * 3 + c) * stride + k];
-                const double mean = sums[3 * k + c] / static_cast<double>(kSamples);
+                const double mean = sums[3 * k + c] / static_cast<double>(kShareSamples);
                 to.sum += mean;
                 to.product += mean * whole;
             }
@@ -342,7 +342,7 @@ ErrorShares measure_error_shares(const std::shared_ptr<const Scene>& scene, cons
     std::stable_sort(shares.kinds.begin(), shares.kinds.end(), by_error);
     std::stable_sort(shares.lights.begin(), shares.lights.end(), by_error);
     shares.valid = true;
-    shares.samples = kSamples;
+    shares.samples = kShareSamples;
     shares.renders = base.renders;
     shares.width = small.width;
     shares.height = small.height;

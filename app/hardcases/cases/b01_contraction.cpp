@@ -8,7 +8,7 @@
 #include "core/base/float_probe.h"
 #include "core/base/worker_pool.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::b01 {
 namespace {
 
 // a b - c d as a compiler contracts it.
@@ -89,4 +89,4 @@ const bool kAdded =
               "Nearly every header-only intersector inherits its user's flags", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::b01

@@ -7,7 +7,7 @@
 #include "core/base/float_probe.h"
 #include "core/math/robust.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::b02 {
 namespace {
 
 CaseResult run(Effort effort) {
@@ -39,4 +39,4 @@ const bool kAdded = add_case(
      "google/filament#6558, buddhi1980/mandelbulber2#130", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::b02

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::b02 {
 
 bool relaxed_is_finite(float x) {
     return std::isfinite(x);
 }
 
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::b02

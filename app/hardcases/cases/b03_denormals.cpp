@@ -9,7 +9,7 @@
 #include "core/base/float_probe.h"
 #include "oracles/scene_builder.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::b03 {
 namespace {
 
 // Seconds of products that decay from `start`, by the CPU's own clock; the factor keeps denormals
@@ -109,4 +109,4 @@ const bool kAdded = add_case({"B03", Priority::p1, "denormals cost nothing and c
                               "Embree's manual recommends the mode", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::b03

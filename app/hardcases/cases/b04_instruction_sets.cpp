@@ -8,7 +8,7 @@
 #include "core/math/robust.h"
 #include "oracles/scene_builder.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::b04 {
 namespace {
 
 struct Soup {
@@ -129,4 +129,4 @@ const bool kAdded = add_case({"B04", Priority::p1, "same bytes on every instruct
                               "no fusing, no estimates of reciprocals, own sines", "", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::b04

@@ -5,7 +5,7 @@
 #include "app/hardcases/worst.h"
 #include "core/scene/camera.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::c01 {
 namespace {
 
 using Real = long double;
@@ -135,4 +135,4 @@ const bool kAdded = add_case(
      "three-gpu-pathtracer#178, mitsuba3#62, mrdoob/three.js#10408", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::c01

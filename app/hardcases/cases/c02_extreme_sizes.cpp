@@ -6,7 +6,7 @@
 #include "core/math/robust.h"
 #include "oracles/scene_builder.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::c02 {
 namespace {
 
 bool refuses(const std::string& size) {
@@ -126,4 +126,4 @@ const bool kAdded = add_case({"C02", Priority::p1, "extreme image sizes and orth
                               "bezo97/IFSRenderer#33, mitsuba3#512, LuxCore#327", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::c02

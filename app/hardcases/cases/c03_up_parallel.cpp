@@ -5,7 +5,7 @@
 #include "core/math/robust.h"
 #include "oracles/scene_builder.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::c03 {
 namespace {
 
 struct Axes {
@@ -121,4 +121,4 @@ const bool kAdded = add_case(
      "tylermorganwall/rayrender#7, g-truc/glm#881, toji/gl-matrix#503", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::c03

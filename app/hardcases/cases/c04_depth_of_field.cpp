@@ -5,7 +5,7 @@
 #include "core/math/robust.h"
 #include "core/scene/camera.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::c04 {
 namespace {
 
 constexpr uint32_t kPixels = 256;
@@ -115,4 +115,4 @@ const bool kAdded =
               "lunadigital/btoa#86", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::c04

@@ -8,7 +8,7 @@
 #include "core/io/film_file.h"
 #include "core/math/sample_bits.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::e01 {
 namespace {
 
 // Sample i: a multiple of 2^-10 below 1, so that the sum is known as an integer.
@@ -104,4 +104,4 @@ const bool kAdded = add_case(
      "mitsuba2#82, three-gpu-pathtracer#133, TheRealMJP/DXRPathTracer#2, mmp/pbrt-v2#29", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::e01

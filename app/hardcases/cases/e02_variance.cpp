@@ -5,7 +5,7 @@
 #include "core/accuracy/octave_statistics.h"
 #include "core/film/film.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::e02 {
 namespace {
 
 constexpr uint32_t kSide = 32;
@@ -121,4 +121,4 @@ const bool kAdded =
               "differences between images of exact sums at powers of two", "", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::e02

@@ -6,7 +6,7 @@
 #include "app/hardcases/worst.h"
 #include "oracles/scene_builder.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::e03 {
 namespace {
 
 constexpr uint32_t kSide = 16;
@@ -147,4 +147,4 @@ const bool kAdded =
               "chunky-dev/chunky#1018, NJUCG/Moer#77, mitsuba3#1511", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::e03

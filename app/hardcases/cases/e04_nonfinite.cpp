@@ -8,7 +8,7 @@
 #include "core/math/robust.h"
 #include "oracles/scene_builder.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::e04 {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -146,4 +146,4 @@ const bool kAdded = add_case(
      "pbrt-v4#12, pbrt-v4#134, appleseed#1077, RayTracing/raytracing.github.io#1021", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::e04

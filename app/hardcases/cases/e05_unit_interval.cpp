@@ -7,7 +7,7 @@
 #include "core/math/robust.h"
 #include "core/math/sample_bits.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::e05 {
 namespace {
 
 CaseResult run(Effort effort) {
@@ -36,4 +36,4 @@ const bool kAdded =
               "the top 24 bits times 2^-24", "AMReX-Codes/amrex#5638, cupy/cupy#1614", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::e05

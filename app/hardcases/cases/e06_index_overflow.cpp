@@ -10,7 +10,7 @@
 #include "core/film/film.h"
 #include "core/integrate/sampler.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::e06 {
 namespace {
 
 using Point = std::pair<float, float>;
@@ -117,4 +117,4 @@ const bool kAdded = add_case({"E06", Priority::p1, "indices and dimensions beyon
                               "mitsuba3#1888, mmp/pbrt-v3#237, pytorch/pytorch#33388", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::e06

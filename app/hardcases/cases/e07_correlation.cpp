@@ -7,7 +7,7 @@
 #include "app/hardcases/worst.h"
 #include "core/integrate/sampler.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::e07 {
 namespace {
 
 constexpr uint32_t kSide = 32;
@@ -151,4 +151,4 @@ const bool kAdded = add_case({"E07", Priority::p1, "errors of neighbours do not 
                               "three-gpu-pathtracer#530, mmp/pbrt-v3#236, imneme/pcg-cpp#90", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::e07

@@ -6,7 +6,7 @@
 #include "core/session/render_pass.h"
 #include "oracles/scene_builder.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::e08 {
 namespace {
 
 constexpr uint32_t kWidth = 48;
@@ -115,4 +115,4 @@ const bool kAdded =
               "mitsuba-renderer/mitsuba#184, LuxCore#255, POV-Ray/povray#353", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::e08

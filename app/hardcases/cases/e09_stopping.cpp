@@ -5,7 +5,7 @@
 #include "core/accuracy/error_estimate.h"
 #include "core/film/film.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::e09 {
 namespace {
 
 constexpr uint32_t kSide = 32;
@@ -95,4 +95,4 @@ const bool kAdded = add_case({"E09", Priority::p0, "stopping does not darken rar
                               "RenderKit/ospray#453, appleseed#2134", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::e09

@@ -8,7 +8,7 @@
 #include "core/math/sample_bits.h"
 #include "tests/synthetic_render.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::e10 {
 namespace {
 
 constexpr uint32_t kSide = 32;
@@ -158,4 +158,4 @@ const bool kAdded =
               "differences at powers of two, trust by the tail; no clamping", "", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::e10

@@ -7,7 +7,7 @@
 #include "app/hardcases/cases/instruction_sets.h"
 #include "app/hardcases/cases/mesh_shapes.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g01 {
 namespace {
 
 using namespace geometry;
@@ -164,4 +164,4 @@ const bool kAdded = add_case({"G01", Priority::p0, "shared edges and vertices ar
                               run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g01

@@ -1,5 +1,4 @@
 // G02: directions with +0 and -0 components, origins in, on and next to the faces of boxes.
-#include <time.h>
 
 #include <cmath>
 #include <cstdint>
@@ -8,8 +7,9 @@
 #include "app/hardcases/cases/case_run.h"
 #include "app/hardcases/cases/exact_oracles.h"
 #include "app/hardcases/cases/mesh_shapes.h"
+#include "core/base/cpu_clock.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g02 {
 namespace {
 
 using namespace geometry;
@@ -90,20 +90,14 @@ Failures axis_aligned_scene(uint64_t rays) {
     });
 }
 
-double thread_seconds() {
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 double seconds_for(const Accel& accel, const std::vector<Ray>& rays) {
-    const double start = thread_seconds();
+    const double start = thread_cpu_seconds();
     uint32_t hits = 0;
     for (const Ray& ray : rays) {
         Hit hit;
         hits += accel.closest(ray, hit);
     }
-    return hits == 0 ? INFINITY : thread_seconds() - start;
+    return hits == 0 ? INFINITY : thread_cpu_seconds() - start;
 }
 
 // Time of rays along the axes over that of the same rays turned by a hundredth of a degree, each
@@ -159,4 +153,4 @@ const bool kAdded = add_case(
      "jbikker/tinybvh#282, jbikker/tinybvh#286, RenderKit/embree#589, madmann91/bvh#21", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g02

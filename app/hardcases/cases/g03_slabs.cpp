@@ -5,7 +5,7 @@
 #include "app/hardcases/cases/case_run.h"
 #include "app/hardcases/cases/exact_oracles.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g03 {
 namespace {
 
 using namespace geometry;
@@ -58,4 +58,4 @@ const bool kAdded =
               "jbikker/tinybvh#286, RenderKit/embree#589", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g03

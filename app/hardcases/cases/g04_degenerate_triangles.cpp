@@ -7,7 +7,7 @@
 #include "app/hardcases/cases/exact_oracles.h"
 #include "app/hardcases/cases/mesh_shapes.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g04 {
 namespace {
 
 using namespace geometry;
@@ -179,4 +179,4 @@ const bool kAdded = add_case(
      "RenderKit/embree#387, OpenMoonRay/openmoonray#251, svenstaro/bvh#44", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g04

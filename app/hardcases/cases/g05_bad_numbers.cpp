@@ -9,7 +9,7 @@
 #include "app/hardcases/cases/exact_oracles.h"
 #include "app/hardcases/cases/mesh_shapes.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g05 {
 namespace {
 
 using namespace geometry;
@@ -198,4 +198,4 @@ const bool kAdded =
               "embree and Cycles source", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g05

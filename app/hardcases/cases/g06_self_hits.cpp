@@ -9,7 +9,7 @@
 #include "app/hardcases/cases/naive_render.h"
 #include "app/hardcases/cases/spawned_rays.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g06 {
 namespace {
 
 using namespace geometry;
@@ -152,4 +152,4 @@ const bool kAdded = add_case(
      run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g06

@@ -8,7 +8,7 @@
 #include "core/integrate/surface_interaction.h"
 #include "core/integrate/tiers.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g07 {
 namespace {
 
 using namespace geometry;
@@ -208,4 +208,4 @@ const bool kAdded =
               "mitsuba-renderer/mitsuba3#1871, RenderKit/ospray#279", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g07

@@ -7,7 +7,7 @@
 #include "app/hardcases/cases/case_scenes.h"
 #include "app/hardcases/cases/spawned_rays.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g08 {
 namespace {
 
 using namespace geometry;
@@ -145,4 +145,4 @@ const bool kAdded = add_case(
      run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g08

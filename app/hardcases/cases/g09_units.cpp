@@ -7,7 +7,7 @@
 #include "app/hardcases/cases/case_scenes.h"
 #include "app/hardcases/cases/naive_render.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g09 {
 namespace {
 
 using namespace geometry;
@@ -72,4 +72,4 @@ const bool kAdded =
               run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g09

@@ -8,7 +8,7 @@
 #include "core/integrate/surface_interaction.h"
 #include "core/integrate/tiers.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g10 {
 namespace {
 
 using namespace geometry;
@@ -184,4 +184,4 @@ const bool kAdded = add_case({"G10", Priority::p1, "hit points of grazing rays",
                               "RenderKit/embree#387, RenderKit/embree#381", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g10

@@ -13,7 +13,7 @@
 #include "app/hardcases/cases/spawned_rays.h"
 #include "core/geometry/sphere.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g11 {
 namespace {
 
 using namespace geometry;
@@ -177,4 +177,4 @@ const bool kAdded = add_case(
      run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g11

@@ -8,7 +8,7 @@
 #include "app/hardcases/cases/instruction_sets.h"
 #include "app/hardcases/cases/mesh_shapes.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g13 {
 namespace {
 
 using namespace geometry;
@@ -199,4 +199,4 @@ const bool kAdded = add_case(
      "t rounded once from double, ties by the lower id", "powroupi/blender_mmd_tools#214", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g13

@@ -8,7 +8,7 @@
 #include "core/integrate/surface_interaction.h"
 #include "core/integrate/tiers.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g14 {
 namespace {
 
 using namespace geometry;
@@ -256,4 +256,4 @@ const bool kAdded = add_case(
      "mitsuba-renderer/mitsuba3#885, nvpro-samples/vk_gltf_renderer#42, RenderKit/ospray#75", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g14

@@ -9,7 +9,7 @@
 #include "core/integrate/surface_interaction.h"
 #include "core/integrate/tiers.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g15 {
 namespace {
 
 using namespace geometry;
@@ -212,4 +212,4 @@ const bool kAdded = add_case(
      run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g15

@@ -8,7 +8,7 @@
 #include "core/integrate/surface_interaction.h"
 #include "core/integrate/tiers.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g16 {
 namespace {
 
 using namespace geometry;
@@ -214,4 +214,4 @@ const bool kAdded =
               "developer.blender.org/D6250", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g16

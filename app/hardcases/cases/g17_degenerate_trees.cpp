@@ -7,7 +7,7 @@
 #include "app/hardcases/cases/mesh_shapes.h"
 #include "core/geometry/bvh.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g17 {
 namespace {
 
 using namespace geometry;
@@ -187,4 +187,4 @@ const bool kAdded = add_case(
      "jbikker/tinybvh#164, jbikker/tinybvh#192, bepu/bepuphysics2#354, svenstaro/bvh#136", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g17

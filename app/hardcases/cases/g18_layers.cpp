@@ -8,7 +8,7 @@
 #include "core/integrate/surface_interaction.h"
 #include "core/integrate/tiers.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g18 {
 namespace {
 
 using namespace geometry;
@@ -229,4 +229,4 @@ const bool kAdded = add_case(
      run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g18

@@ -8,7 +8,7 @@
 #include "core/integrate/tiers.h"
 #include "core/lights/light_table.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g19 {
 namespace {
 
 using namespace geometry;
@@ -110,4 +110,4 @@ const bool kAdded = add_case({"G19", Priority::p1, "long rays and shadow ends",
                               run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g19

@@ -1,7 +1,7 @@
 // G20 and G21: shapes and effects that Talbot does not have.
 #include "app/hardcases/hard_case.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::g20 {
 namespace {
 
 const bool kShapes = add_not_simulated(
@@ -12,4 +12,4 @@ const bool kMotion = add_not_simulated(
     {"G21", "motion blur", "Talbot renders one instant of an animation, with the shutter closed"});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::g20

@@ -10,7 +10,7 @@
 #include "core/io/image_io.h"
 #include "core/math/robust.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::k01 {
 namespace {
 
 constexpr float kMax = std::numeric_limits<float>::max();
@@ -115,4 +115,4 @@ const bool kAdded =
               "AcademySoftwareFoundation/openexr#1319, OpenImageIO#2892, LuxCore#674", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::k01

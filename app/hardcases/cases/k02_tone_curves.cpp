@@ -5,7 +5,7 @@
 #include "core/film/tone_map.h"
 #include "core/math/robust.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::k02 {
 namespace {
 
 // The value of a half's 16 bits.
@@ -109,4 +109,4 @@ const bool kAdded = add_case(
      "curves cut at both ends, sRGB by its two pieces", "Tom94/tev#166", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::k02

@@ -7,7 +7,7 @@
 #include "app/hardcases/cases/shading_scene.h"
 #include "oracles/stats/random.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::l01 {
 namespace {
 
 using Real = long double;
@@ -192,15 +192,15 @@ CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
     WorkerPool pool(run_settings().threads);
     CaseResult result;
-    Worst naive;
-    Worst own;
+    WorstError naive;
+    WorstError own;
     double naive_bad = 0;
     double own_bad = 0;
     Sweep sweep{"radius over distance", "relative error of the irradiance", true, 1e-5, {}};
     for (int e = -24; e <= 0; ++e) {
         const double ratio = std::pow(10.0, 0.5 * e) * (e == 0 ? 1 / (1 + 1e-7) : 1);
-        Worst naive_here;
-        Worst own_here;
+        WorstError naive_here;
+        WorstError own_here;
         for (const double radius : {1.0, 0.1, 37.0}) {
             const View1 v(radius, radius / ratio, pool);
             if (!(v.sin_cone < 1)) continue;  // rounded onto the sphere
@@ -216,8 +216,8 @@ CaseResult run(Effort effort) {
         sweep.points.push_back({ratio, std::min(naive_here.value, 1e3), own_here.value});
     }
     // Below the horizon in part.
-    Worst clipped;
-    Worst naive_clipped;
+    WorstError clipped;
+    WorstError naive_clipped;
     const int steps = full ? 3000 : 900;
     for (const double ratio : {0.9, 0.5, 1e-2}) {
         if (!full && ratio == 0.5) continue;
@@ -281,4 +281,4 @@ const bool kAdded = add_case(
      "mmp/pbrt-v3#212, #319; LuxCoreRender/LuxCore#443, #446; papaboo/Bifrost3D#44", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::l01

@@ -7,7 +7,7 @@
 #include "core/lights/spherical_triangle.h"
 #include "oracles/stats/random.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::l02 {
 namespace {
 
 using Real = long double;
@@ -134,7 +134,7 @@ CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
     const int draws = full ? 20000 : 100;
     WorkerPool pool(run_settings().threads);
-    Worst area, naive_area, beyond, naive_beyond, inverted;
+    WorstError area, naive_area, beyond, naive_beyond, inverted;
     double bad = 0;
     double naive_bad = 0;
     Sweep sweep{"solid angle", "relative error of the solid angle", true, 1e-5, {}};
@@ -227,4 +227,4 @@ const bool kAdded = add_case(
      run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::l02

@@ -5,7 +5,7 @@
 
 #include "app/hardcases/cases/light_setup.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::l03 {
 namespace {
 
 using Real = long double;
@@ -126,10 +126,10 @@ std::vector<Setup> setups() {
 CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
     WorkerPool pool(run_settings().threads);
-    Worst error;
-    Worst naive_error;
-    Worst contact;
-    Worst naive_contact;
+    WorstError error;
+    WorstError naive_error;
+    WorstError contact;
+    WorstError naive_contact;
     double naive_bad = 0;
     double own_bad = 0;
     Sweep sweep{"distance over the short side", "relative error of the irradiance", true, 1e-4, {}};
@@ -198,4 +198,4 @@ const bool kAdded = add_case(
      "Devsh-Graphics-Programming/Nabla#340, gkjohnson/three-gpu-pathtracer#174", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::l03

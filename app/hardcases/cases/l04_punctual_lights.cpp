@@ -2,7 +2,7 @@
 // cone of nothing, no power.
 #include "app/hardcases/cases/light_setup.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::l04 {
 namespace {
 
 using Real = long double;
@@ -44,7 +44,7 @@ float naive_radiance(const PunctualLight& light, const Vec3f& to) {
 CaseResult run(Effort) {
     WorkerPool pool(run_settings().threads);
     constexpr double kLargestFloat = 3.4028234e38;
-    Worst error;
+    WorstError error;
     double naive_bad = 0;
     double own_bad = 0;
     std::string where;
@@ -160,4 +160,4 @@ const bool kAdded = add_case(
      "mmp/pbrt-v4#130, appleseedhq/appleseed#1467", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::l04

@@ -8,7 +8,7 @@
 #include "oracles/stats/random.h"
 #include "oracles/stats/ztest.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::l05 {
 namespace {
 
 using Real = long double;
@@ -183,9 +183,9 @@ CaseResult run(Effort effort) {
 
     Sweep sweep{
         "heat of the pixel over the sky", "relative error of the irradiance", true, 0.004, {}};
-    Worst z, unreachable, sum;
+    WorstError z, unreachable, sum;
     double naive_unreachable = 0;
-    Worst naive_z;
+    WorstError naive_z;
     for (const Map& m : maps) {
         const auto where = [&] {
             return std::string(m.place) + " heat " + exact(m.heat) + " width " +
@@ -226,4 +226,4 @@ const bool kAdded = add_case(
      "mitsuba-renderer/mitsuba3#469, mitsuba-renderer/mitsuba2#173, mmp/pbrt-v3#62", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::l05

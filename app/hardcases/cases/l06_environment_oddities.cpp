@@ -9,7 +9,7 @@
 #include "core/math/warp.h"
 #include "oracles/stats/random.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::l06 {
 namespace {
 
 std::shared_ptr<EnvironmentImage> make_image(uint32_t width, uint32_t height, const Rgb& color) {
@@ -218,4 +218,4 @@ const bool kAdded = add_case(
      "BachiLi/redner#28, mmp/pbrt-v3#63, cedricpinson/envtools#7", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::l06

@@ -5,7 +5,7 @@
 #include "core/math/distribution.h"
 #include "oracles/stats/random.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::l07 {
 namespace {
 
 using Real = long double;
@@ -32,7 +32,7 @@ class FloatSums {
 };
 
 struct Figures {
-    Worst mass;
+    WorstError mass;
     double wrong_picks = 0;  // without weight, or without probability
     double outside = 0;      // stretched numbers not in [0, 1)
     std::string where;
@@ -88,7 +88,7 @@ void judge(const std::vector<double>& weights, const std::string& name,
 
 // The light tree over powers of twelve decades: what a pick reports against what is told of it
 // later.
-void judge_tree(Figures& own, Worst& sums, const std::vector<float>& us) {
+void judge_tree(Figures& own, WorstError& sums, const std::vector<float>& us) {
     stats::Random random(case_seed(12));
     std::vector<LightBounds> lights(300);
     for (std::size_t i = 0; i < lights.size(); ++i) {
@@ -143,7 +143,7 @@ CaseResult run(Effort effort) {
     judge({1e30, 1e-30}, "heavy first", us, naive, own);
     judge({1e-30, 1e30}, "light first", us, naive, own);
     judge({1e300, 1e300, 1e300}, "huge", us, naive, own);
-    Worst tree_sum;
+    WorstError tree_sum;
     judge_tree(own, tree_sum, us);
 
     CaseResult result;
@@ -165,4 +165,4 @@ const bool kAdded =
               "nrc-cnrc/EGSnrc#24, openmc-dev/openmc#2427, BachiLi/lajolla_public#10", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::l07

@@ -2,7 +2,7 @@
 // underflow.
 #include "app/hardcases/cases/shading_setup.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::l08 {
 namespace {
 
 float naive_heuristic(float a, float b) {
@@ -23,13 +23,13 @@ CaseResult run(Effort effort) {
     std::vector<float> densities{0, 0x1p-149f, 0x1p-126f, 3.4028235e38f, kInfinity};
     for (int i = 0; i <= steps; ++i)
         densities.push_back(static_cast<float>(std::pow(10.0, -38 + 76.5 * i / steps)));
-    Worst naive_sum, own_sum, naive_weight, own_weight;
+    WorstError naive_sum, own_sum, naive_weight, own_weight;
     Sweep sweep{"density of both strategies", "weights' sum, off 1", true, 4 * 0x1p-24, {}};
     for (const float a : densities) {
         for (const float b : densities) {
             if (!(a > 0) && !(b > 0)) continue;
             const auto where = [&] { return exact(a) + " " + exact(b); };
-            const auto judge = [&](Worst& sum, Worst& weight, float wa, float wb) {
+            const auto judge = [&](WorstError& sum, WorstError& weight, float wa, float wb) {
                 sum.add(std::abs(static_cast<double>(wa) + static_cast<double>(wb) - 1), where);
                 weight.add(std::abs(static_cast<double>(wa - reference(a, b))), where);
             };
@@ -69,4 +69,4 @@ const bool kAdded = add_case(
      "crocdialer/vierkant#170", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::l08

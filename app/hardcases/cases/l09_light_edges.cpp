@@ -8,7 +8,7 @@
 #include "core/integrate/tiers.h"
 #include "oracles/stats/random.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::l09 {
 namespace {
 
 struct Disagreements {
@@ -181,4 +181,4 @@ const bool kAdded = add_case({"L09", Priority::p1, "edges of lights, decided onc
                               "mitsuba-renderer/mitsuba3#1721", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::l09

@@ -5,7 +5,7 @@
 #include "app/hardcases/cases/shading_setup.h"
 #include "core/scattering/ggx.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::s01 {
 namespace {
 
 Quad reference(float ax, float ay, const Vec3f& h) {
@@ -33,13 +33,13 @@ CaseResult run(Effort effort) {
     const int steps = effort == Effort::full ? 400 : 40;
     CaseResult result;
     Sweep sweep{"alpha", "largest relative error of D", true, 2e-6, {}};
-    Worst naive;
-    Worst own;
+    WorstError naive;
+    WorstError own;
     const auto clamp = [](double a) { return static_cast<float>(std::clamp(a, 1e-4, 1.0)); };
     for (int i = 0; i <= steps; ++i) {
         const double alpha = std::pow(10.0, -4 + 4.0 * i / steps);
-        Worst naive_here;
-        Worst own_here;
+        WorstError naive_here;
+        WorstError own_here;
         for (int k = -3; k <= 3; ++k) {
             const float ax = clamp(alpha * std::pow(10.0, 0.5 * k));
             const float ay = clamp(alpha * std::pow(10.0, -0.5 * k));
@@ -49,7 +49,7 @@ CaseResult run(Effort effort) {
                 const Vec3f h(Vec3d(std::sin(theta) * std::cos(phi),
                                     std::sin(theta) * std::sin(phi), std::cos(theta)));
                 const Quad d = reference(ax, ay, h);
-                const auto judge = [&](Worst& total, Worst& here, float value) {
+                const auto judge = [&](WorstError& total, WorstError& here, float value) {
                     const double error = is_finite(value)
                                              ? std::abs(static_cast<double>((value - d) / d))
                                              : std::numeric_limits<double>::infinity();
@@ -78,4 +78,4 @@ const bool kAdded = add_case(
      "gkjohnson/three-gpu-pathtracer#161, armory3d/armory#2880, bevyengine/bevy#21921", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::s01

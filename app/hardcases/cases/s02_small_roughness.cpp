@@ -5,7 +5,7 @@
 #include "oracles/stats/random.h"
 #include "oracles/stats/ztest.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::s02 {
 namespace {
 
 // A smooth sky: brightens towards one direction.
@@ -14,7 +14,7 @@ double sky(const Vec3f& w) {
 }
 
 // Light returned of that sky, by sampling.
-stats::Moments returned(const ScatteringCase& c, const View& v, int draws, Worst& bad) {
+stats::Moments returned(const ScatteringCase& c, const View& v, int draws, WorstError& bad) {
     const FullBsdf bsdf = make_bsdf(c, v);
     stats::Random random(case_seed(7));
     stats::Moments m;
@@ -91,15 +91,15 @@ struct Floor {
 CaseResult run(Effort effort) {
     const int draws = effort == Effort::full ? 1000000 : 8000;
     constexpr float kAlphas[] = {1e-8f, 1e-5f, 1e-4f, 9.9e-4f, 1e-3f, 2e-3f, 5e-3f, 1e-2f};
-    Worst naive;
-    Worst own;
-    Worst bad;
+    WorstError naive;
+    WorstError own;
+    WorstError bad;
     uint64_t naive_bad = 0;
     Sweep sweep{"alpha", "light of a smooth sky: change against the mirror", true, 0.02, {}};
     const std::size_t kinds[] = {1, 5, 7, 8, 9};
     for (const float alpha : kAlphas) {
-        Worst naive_here;
-        Worst own_here;
+        WorstError naive_here;
+        WorstError own_here;
         for (const float mu : {1.0f, 0.5f, 0.2f}) {
             const View v{mu};
             for (const std::size_t kind : kinds) {
@@ -131,7 +131,7 @@ CaseResult run(Effort effort) {
     WorkerPool pool(run_settings().threads);
     const Floor floor{pool, effort == Effort::full ? 512u : 16u};
     const stats::Moments mirror = floor.mean(0);
-    Worst image;
+    WorstError image;
     for (const double alpha : {1e-8, 1e-3, 1e-2}) {
         image.add(excess(floor.mean(alpha), mirror.mean(), mirror.standard_error(), alpha),
                   [&] { return "alpha " + exact(alpha); });
@@ -154,4 +154,4 @@ const bool kAdded = add_case(
      "mmp/pbrt-v3#273, mmp/pbrt-v3#274, mmp/pbrt-v3#214, mmp/pbrt-v4#283", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::s02

@@ -4,7 +4,7 @@
 #include "core/scattering/fresnel.h"
 #include "oracles/visible_normals.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::s03 {
 namespace {
 
 // The control: D from the cosine of the half vector, the view's cosine kept above 1e-4, G1 by
@@ -22,11 +22,11 @@ float textbook_pdf(float alpha, const Vec3f& wo, const Vec3f& h) {
 CaseResult run(Effort effort) {
     const int draws = effort == Effort::full ? 200000 : 2000;
     const int radial = effort == Effort::full ? 1500 : 300;
-    Worst integral;
-    Worst naive_integral;
-    Worst mismatch;
-    Worst naive_mismatch;
-    Worst bad;
+    WorstError integral;
+    WorstError naive_integral;
+    WorstError mismatch;
+    WorstError naive_mismatch;
+    WorstError bad;
     uint64_t naive_bad = 0;
     Sweep sweep{"cosine of the view",
                 "density of a sample against a fresh one, in units of its bound",
@@ -34,8 +34,8 @@ CaseResult run(Effort effort) {
                 1,
                 {}};
     for (const float mu : {1.0f, 0.3f, 1e-2f, 1e-3f, 1e-4f, 1e-5f, 1e-6f, 1e-7f}) {
-        Worst naive_here;
-        Worst own_here;
+        WorstError naive_here;
+        WorstError own_here;
         for (const float alpha : {1e-4f, 1e-3f, 1e-2f, 0.1f, 0.5f, 1.0f}) {
             const Ggx ggx(alpha);
             const Vec3f wo(std::sqrt(1 - mu * mu), 0, mu);
@@ -95,4 +95,4 @@ const bool kAdded =
               "crocdialer/vierkant#170, gkjohnson/three-gpu-pathtracer#84", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::s03

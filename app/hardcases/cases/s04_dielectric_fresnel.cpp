@@ -6,7 +6,7 @@
 #include "oracles/scattering_cases.h"
 #include "oracles/stats/random.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::s04 {
 namespace {
 
 constexpr float kEtas[] = {1 / 2.5f, 1 / 1.0001f, 1 - 0x1p-23f, 1,   1 + 0x1p-23f,
@@ -60,7 +60,7 @@ std::vector<float> cosines(float eta, int steps) {
 }
 
 struct Figures {
-    Worst outside, near, away, sum;
+    WorstError outside, near, away, sum;
     uint64_t falls = 0;
 };
 
@@ -83,7 +83,7 @@ double split_sum(float c, float eta) {
     p.thin = false;
     p.ior = eta;
     const GlassLayer<EffectSet::all()> glass(p, false, 1, Rgb(1), true, 1,
-                                  Vec3f(std::sqrt(std::max(0.0f, 1 - c * c)), 0, c));
+                                             Vec3f(std::sqrt(std::max(0.0f, 1 - c * c)), 0, c));
     const auto split = glass.split(c);
     return static_cast<double>(split.reflected.x) + static_cast<double>(split.transmitted.x);
 }
@@ -215,7 +215,7 @@ CaseResult run(Effort effort) {
     double naive_image = 0;
     double own_image = 0;
     result.images.push_back(picture(naive_image, own_image, result.nonfinite));
-    const auto add = [&](const char* metric, double n, const Worst& w, double limit) {
+    const auto add = [&](const char* metric, double n, const WorstError& w, double limit) {
         result.measures.push_back({metric, n, w.or_infinite(), limit, Gate::at_most, w.where});
     };
     add("reflectance outside [0, 1], largest of 0 and 1", naive.outside.or_infinite(), own.outside,
@@ -240,4 +240,4 @@ const bool kAdded =
               "gkjohnson/three-gpu-pathtracer#429, #844, #846; PearCoding/Ignis#16", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::s04

@@ -4,7 +4,7 @@
 #include "app/hardcases/cases/shading_setup.h"
 #include "oracles/scattering_cases.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::s05 {
 namespace {
 
 // Index n with no absorption.
@@ -33,7 +33,7 @@ Rgb mirror_reflectance(const ShadingParams& p, float mu) {
 }
 
 struct Figures {
-    Worst error, outside;
+    WorstError error, outside;
 
     void add(double value, Quad expected, const std::string& where) {
         const auto describe = [&] { return where; };
@@ -112,4 +112,4 @@ const bool kAdded =
               "playcanvas/engine#5239", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::s05

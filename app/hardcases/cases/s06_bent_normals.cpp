@@ -9,7 +9,7 @@
 #include "oracles/scattering_cases.h"
 #include "oracles/stats/random.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::s06 {
 namespace {
 
 constexpr uint32_t kSize = 64;
@@ -149,8 +149,8 @@ void flat_map_points(double& naive, double& own) {
         Vec3f mapped = n;
         mapped_normal<kFullTier>(*scene, scene->materials()[1].normal_texture, 1, si, mapped);
         if (mapped != n) ++own;
-        const Vec4f texel =
-            eval_slot<kFullTier>(*scene, scene->materials()[1].normal_texture, si, TextureEncoding::linear);
+        const Vec4f texel = eval_slot<kFullTier>(*scene, scene->materials()[1].normal_texture, si,
+                                                 TextureEncoding::linear);
         if (normalize(si.shading.to_world(2.0f * Vec3f(texel) - 1.0f)) != n) ++naive;
     }
 }
@@ -265,4 +265,4 @@ const bool kAdded = add_case(
      run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::s06

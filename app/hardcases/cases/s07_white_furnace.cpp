@@ -5,7 +5,7 @@
 #include "app/hardcases/cases/shading_setup.h"
 #include "oracles/scattering_cases.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::s07 {
 namespace {
 
 struct Range {
@@ -189,4 +189,4 @@ const bool kAdded = add_case(
      run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::s07

@@ -9,7 +9,7 @@
 #include "oracles/bsdf_agreement.h"
 #include "oracles/visible_normals.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::s08 {
 namespace {
 
 struct Smallest {
@@ -121,8 +121,8 @@ CaseResult run(Effort effort) {
     WorkerPool pool(run_settings().threads);
     Smallest own;
     Smallest shifted;
-    Worst integral;
-    Worst scaled;
+    WorstError integral;
+    WorstError scaled;
 
     const std::vector<Setting> all = scattering_settings();
     const std::size_t stride = full ? 1 : 17;
@@ -209,4 +209,4 @@ const bool kAdded = add_case(
      "mitsuba-renderer/mitsuba3#871, mmp/pbrt-v4#215, mmp/pbrt-v3#319", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::s08

@@ -4,7 +4,7 @@
 #include "oracles/bsdf_agreement.h"
 #include "oracles/stats/ztest.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::s09 {
 namespace {
 
 // The control: half diffuse, half GGX; a sample carries the density of its own lobe alone.
@@ -125,7 +125,7 @@ CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
     WorkerPool pool(run_settings().threads);
     const Lamp lamp(pool);
-    Worst record;
+    WorstError record;
     const std::vector<Setting> settings = scattering_settings();
     const int per_setting = full ? 5000 : 100;
     uint64_t seed = 1;
@@ -153,7 +153,7 @@ CaseResult run(Effort effort) {
     pool.parallel_for(z.size(), [&](uint64_t i, unsigned) {
         z[i] = disagreement(make_bsdf(surfaces[i * step], view), lamp, draws, 100 + i);
     });
-    Worst apart;
+    WorstError apart;
     for (std::size_t i = 0; i < z.size(); ++i)
         apart.add(z[i], [&] { return surfaces[i * step].name; });
     const double naive_apart = disagreement(control, lamp, draws, 99);
@@ -175,4 +175,4 @@ const bool kAdded = add_case(
      run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::s09

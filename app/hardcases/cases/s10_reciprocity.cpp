@@ -4,7 +4,7 @@
 #include "oracles/scattering_cases.h"
 #include "oracles/stats/random.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::s10 {
 namespace {
 
 Vec3f random_direction(stats::Random& random) {
@@ -30,7 +30,7 @@ double layered_naively(const Vec3f& wo, float f0) {
 CaseResult run(Effort effort) {
     const int pairs = effort == Effort::full ? 1000000 : 10000;
     stats::Random random(case_seed(1));
-    Worst reflection, diffuse, refraction, naive_diffuse, naive_refraction;
+    WorstError reflection, diffuse, refraction, naive_diffuse, naive_refraction;
     constexpr float kAlphas[] = {0.1f, 0.3f, 1.0f};
     constexpr float kIndices[] = {1.33f, 1.5f, 2.4f};
     for (int i = 0; i < pairs; ++i) {
@@ -98,4 +98,4 @@ const bool kAdded = add_case({"S10", Priority::p1, "reciprocity",
                               "appleseedhq/appleseed#2886", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::s10

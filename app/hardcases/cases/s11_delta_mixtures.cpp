@@ -7,7 +7,7 @@
 #include "oracles/stats/random.h"
 #include "oracles/stats/ztest.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::s11 {
 namespace {
 
 constexpr uint32_t kSize = 32;
@@ -130,7 +130,7 @@ CaseResult run(Effort effort) {
     Material mirror;
     mirror.roughness_factor = 0;
     const uint64_t passes = full ? 512 : 8;
-    Worst apart;
+    WorstError apart;
     const auto judge = [&](const Material& floor, const Material& ball, const char* name) {
         apart.add(strategies_apart(pool, floor, ball, passes), [&] { return std::string(name); });
     };
@@ -139,7 +139,7 @@ CaseResult run(Effort effort) {
     judge(plastic, mirror, "mirror ball on smooth plastic");
 
     // Lobes are chosen with probabilities that sum to 1.
-    Worst sum;
+    WorstError sum;
     for (const float mu : {1.0f, 0.5f, 0.1f, 1e-3f}) {
         for (const ScatteringCase& c : white_surfaces(0)) {
             const FullBsdf bsdf = make_bsdf(c, {mu});
@@ -168,4 +168,4 @@ const bool kAdded = add_case(
      "gkjohnson/three-gpu-pathtracer#174, #846; nvpro-samples/vk_gltf_renderer#20", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::s11

@@ -4,7 +4,7 @@
 #include "app/hardcases/cases/shading_setup.h"
 #include "oracles/stats/random.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::s12 {
 namespace {
 
 constexpr double kLimit = 4 * 0x1p-24;
@@ -18,7 +18,7 @@ void naive_basis(const Vec3f& n, Vec3f& t, Vec3f& b) {
 }
 
 struct Figures {
-    Worst error;
+    WorstError error;
     uint64_t left_handed = 0;
 };
 
@@ -77,4 +77,4 @@ const bool kAdded = add_case({"S12", Priority::p0, "orthonormal basis", "Frisvad
                               "mitsuba-renderer/mitsuba#73, tylermorganwall/rayrender#7", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::s12

@@ -5,7 +5,7 @@
 #include "app/hardcases/cases/shading_setup.h"
 #include "core/math/warp.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::s14 {
 namespace {
 
 // The same map, its height from what x and y leave.
@@ -16,7 +16,7 @@ Vec3f naive_sample(const Vec2f& u) {
 
 struct Figures {
     double unusable = 0;
-    Worst length_error;
+    WorstError length_error;
 
     void add(const Vec3f& w, const Vec2f& u) {
         // What an estimator forms of it: value over density, for a white diffuse surface.
@@ -64,4 +64,4 @@ const bool kAdded =
               "mmp/pbrt-v4#313, mmp/pbrt-v2#22, RayTracing/raytracing.github.io#1021", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::s14

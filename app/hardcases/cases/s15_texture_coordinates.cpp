@@ -6,7 +6,7 @@
 #include "core/integrate/tiers.h"
 #include "oracles/stats/random.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::s15 {
 namespace {
 
 constexpr uint32_t kSize = 64;
@@ -172,4 +172,4 @@ const bool kAdded =
               "mmp/pbrt-v4#17, turanszkij/WickedEngine#117, matiaszanolli/ByroRedux#3176", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::s15

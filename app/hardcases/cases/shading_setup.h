@@ -25,7 +25,7 @@ inline std::string exact(const Vec3f& v) {
 }
 
 // The largest of many errors. Values that are not finite are counted apart.
-struct Worst {
+struct WorstError {
     double value = 0;
     uint64_t nonfinite = 0;
     std::string where;

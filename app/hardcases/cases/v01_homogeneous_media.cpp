@@ -6,7 +6,7 @@
 #include "oracles/stats/random.h"
 #include "oracles/stats/ztest.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::v01 {
 namespace {
 
 // The control: the depth rounded to float, no case for a channel without absorption (0 times
@@ -16,7 +16,7 @@ float naive_transmittance(float sigma, float distance) {
 }
 
 struct Chances {
-    Worst z, naive_path, path;
+    WorstError z, naive_path, path;
     double naive_bad = 0, bad = 0;
 };
 
@@ -103,16 +103,16 @@ SceneBuilder slab(const Rgb& color, double thickness, double depth) {
 CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
     CaseResult result;
-    Worst naive;
-    Worst own;
+    WorstError naive;
+    WorstError own;
     Sweep sweep{"optical depth", "relative error of the transmittance", true, 1e-6, {}};
     const int steps = full ? 200000 : 4000;
     for (int i = 0; i <= steps; ++i) {
         // Depths that a float can still say; beyond, both are 0.
         const double depth = std::pow(10.0, -8 + 9.9 * i / steps);
         if (depth > 87) break;
-        Worst naive_here;
-        Worst own_here;
+        WorstError naive_here;
+        WorstError own_here;
         for (const double distance : {1e-6, 1e-3, 0.7, 13.0, 1e6}) {
             const auto d = static_cast<float>(distance);
             const auto sigma = static_cast<float>(depth / distance);
@@ -145,7 +145,7 @@ CaseResult run(Effort effort) {
     const Rgb color(0.5f, 1, 1e-3f);
     PathSettings settings;
     NonFiniteCount bad;
-    Worst image;
+    WorstError image;
     for (const double thickness : {1e-6, 1e-2, 1.0, 1e3, 1e6}) {
         for (const double depth : {1e-6, 1e-3, 0.5}) {
             const Camera camera = camera_at(Vec3d(0, 0, 5 * thickness), Vec3d(0), 1e-4);
@@ -200,4 +200,4 @@ const bool kNotSimulated =
     add_not_simulated({"V06", "heterogeneous media", "glTF's volumes are homogeneous"});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::v01

@@ -7,7 +7,7 @@
 #include "oracles/stats/random.h"
 #include "oracles/stats/ztest.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::v02 {
 namespace {
 
 // 1 - cos of the turn from the forward peak (for g < 0 from the backward one) at quantile u, by the
@@ -51,7 +51,7 @@ Vec3f naive_sample(float g, const Vec2f& u) {
 }
 
 struct Figures {
-    Worst turn, pdf;
+    WorstError turn, pdf;
     double nonfinite = 0;
 };
 
@@ -90,8 +90,8 @@ CaseResult run(Effort effort) {
     Sweep sweep{"1 - |g|", "largest relative error of 1 - cos", true, 2e-6, {}};
     for (const float g : anisotropies()) {
         const HenyeyGreenstein phase(g);
-        Worst naive_here;
-        Worst own_here;
+        WorstError naive_here;
+        WorstError own_here;
         for (int i = 0; i <= steps; ++i) {
             float x = static_cast<float>(i) / static_cast<float>(steps);
             if (i % 3 == 1) x = x * x * x * 1e-3f;
@@ -126,8 +126,8 @@ CaseResult run(Effort effort) {
 
     double p = 1;
     double naive_p = 1;
-    Worst mean;
-    Worst naive_mean;
+    WorstError mean;
+    WorstError naive_mean;
     std::string where;
     for (const float g : {0.0f, 0.5f, -0.9f, 0.999f, 0.999999f, -0.999999f}) {
         const int draws = full ? 2000000 : 20000;
@@ -160,4 +160,4 @@ const bool kAdded = add_case(
      "mmp/pbrt-v4#333, LuxCoreRender/LuxCore#550", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::v02

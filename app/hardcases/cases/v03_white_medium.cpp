@@ -12,7 +12,7 @@
 #include "oracles/stats/random.h"
 #include "oracles/stats/ztest.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::v03 {
 namespace {
 
 enum class Body { sphere, box, instance };
@@ -187,7 +187,7 @@ CaseResult run(Effort effort) {
     double naive_furnace = 0;
     result.images.push_back(picture(effort, naive_furnace, result.nonfinite, pool));
 
-    Worst furnace;
+    WorstError furnace;
     Sweep sweep{"optical thickness of the radius",
                 "radiance of a body in a unit sky, off 1",
                 true,
@@ -197,7 +197,7 @@ CaseResult run(Effort effort) {
                                           ? std::vector<float>{1e-3f, 1e-2f, 0.1f, 1, 10, 100, 1000}
                                           : std::vector<float>{1e-3f, 1, 5};
     for (const float sigma : sigmas) {
-        Worst here;
+        WorstError here;
         for (const float g : {-0.99f, 0.0f, 0.8f, 0.99f}) {
             for (const Body kind : {Body::sphere, Body::box, Body::instance}) {
                 for (const float ior : {1.0f, 1.5f}) {
@@ -221,8 +221,8 @@ CaseResult run(Effort effort) {
         }
         sweep.points.push_back({static_cast<double>(sigma), std::nan(""), here.value});
     }
-    Worst chord;
-    Worst chord_error;
+    WorstError chord;
+    WorstError chord_error;
     double lost = 0;
     std::string lost_where;
     uint64_t seed = 50;
@@ -267,4 +267,4 @@ const bool kAdded = add_case(
      "tangent-animation/blender278#78, #144; mitsuba-renderer/mitsuba3#1387", run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::v03

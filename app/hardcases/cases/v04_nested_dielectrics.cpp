@@ -7,7 +7,7 @@
 #include "app/hardcases/cases/shading_setup.h"
 #include "oracles/stats/ztest.h"
 
-namespace talbot::hardcases {
+namespace talbot::hardcases::v04 {
 namespace {
 
 constexpr uint32_t kSize = 48;
@@ -160,4 +160,4 @@ const bool kAdded =
               run});
 
 }  // namespace
-}  // namespace talbot::hardcases
+}  // namespace talbot::hardcases::v04

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kExtension = "KHR_materials_pbrSpecularGlossiness";
+constexpr const char* kSpecularGlossiness = "KHR_materials_pbrSpecularGlossiness";
 
 // `count` numbers, or all ones.
 Json numbers(const Json& object, const char* key, size_t count) {
@@ -38,7 +38,7 @@ class Converter {
         const auto materials = root_.find("materials");
         if (materials == root_.end()) return {};
         for (Json& material : *materials) {
-            const Json::json_pointer where(std::string("/extensions/") + kExtension);
+            const Json::json_pointer where(std::string("/extensions/") + kSpecularGlossiness);
             if (!material.contains(where) || !material[where].is_object()) continue;
             const Json old = material[where];
             convert(old, material);
@@ -54,7 +54,7 @@ class Converter {
                      {"roughnessFactor", 1 - glossiness}};
         if (old.contains("diffuseTexture")) core["baseColorTexture"] = old["diffuseTexture"];
         Json& extensions = material["extensions"];
-        extensions.erase(kExtension);
+        extensions.erase(kSpecularGlossiness);
         extensions["KHR_materials_ior"] = {{"ior", 0}};
         Json& specular = extensions["KHR_materials_specular"];
         specular = {{"specularColorFactor", numbers(old, "specularFactor", 3)}};
