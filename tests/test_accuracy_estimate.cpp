@@ -184,6 +184,7 @@ TEST(Accuracy, AnImageOfUnknownBrightnessIsNotGreen) {
 TEST(Accuracy, FirmPredictionsAreKept) {
     int firm = 0, kept = 0, all = 0;
     for (const synthetic::Scene& scene : synthetic::scenes()) {
+        const int firm_before = firm, kept_before = kept;
         for (uint32_t seed = 0; seed < 2; ++seed) {
             Picture picture(scene, 64, true, 101 * seed + 7);
             ErrorTracker tracker;
@@ -210,6 +211,7 @@ TEST(Accuracy, FirmPredictionsAreKept) {
                 }
             }
         }
+        std::printf("%s: %d firm, %d kept\n", scene.name, firm - firm_before, kept - kept_before);
     }
     std::printf("%d of %d predictions are firm, %d of these kept\n", firm, all, kept);
     EXPECT_GT(firm, all / 8);

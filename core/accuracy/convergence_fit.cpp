@@ -93,7 +93,9 @@ PowerLaw fit_power(std::span<const Point> points) {
     constexpr double kPrior = 1.05, kPriorSd = 0.05, kAloneSd = 0.13;
     constexpr double kLeastSlopeSd = 0.03;  // odd and even powers of two differ
     constexpr double kMostExponent = 3;
-    constexpr double kDoubtOfLaw = 0.1;
+    // The law is sure at 1 only, where all samples are independent; a slope beyond that of edges is
+    // one of smooth light, of which no picture has nothing but.
+    constexpr double kDoubtOfLaw = 0.1, kDoubtOfSmooth = 0.4, kEdges = 1.5;
     if (points.size() == 1) return {kPrior, kAloneSd};
     double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;
     for (const Point& p : points) {
@@ -113,8 +115,9 @@ PowerLaw fit_power(std::span<const Point> points) {
     const double prior_variance = base * (1 + off * off / (4 * (base + slope_variance)));
     const double trust = prior_variance / (prior_variance + slope_variance);
     const double exponent = std::clamp(kPrior + trust * off, 1.0, kMostExponent);
-    // The law is sure at 1 only, where all samples are independent.
-    return {exponent, std::hypot(std::sqrt(trust * slope_variance), kDoubtOfLaw * (exponent - 1))};
+    const double doubt =
+        kDoubtOfLaw * (exponent - 1) + kDoubtOfSmooth * std::max(0.0, exponent - kEdges);
+    return {exponent, std::hypot(std::sqrt(trust * slope_variance), doubt)};
 }
 
 // v over the difference of the last octave, and the derivative of its logarithm by the exponent.
