@@ -287,6 +287,12 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& /*
     return std::make_unique<DoubleAccel>(input);
 }
 
+// Always built anew.
+std::unique_ptr<const Accel> refit_accel(const Accel& /*previous*/, const AccelInput& /*input*/,
+                                         WorkerPool& /*pool*/) {
+    return nullptr;
+}
+
 std::unique_ptr<const Accel> build_brute_force(const AccelInput& input) {
     return std::make_unique<DoubleAccel>(input);
 }
