@@ -230,9 +230,11 @@ TEST(Lights, UnitsAndSunAngleAreAsAskedFor) {
         {{"type", "directional"}, {"intensity", 3}, {"extras", {{"angularDiameter", 0.01}}}},
         {{"type", "directional"}}};
     const auto light = [](int i) { return Json{{"KHR_lights_punctual", {{"light", i}}}}; };
-    with_nodes(b, {{{"extensions", light(0)}}, {{"extensions", light(1)}},
+    with_nodes(b, {{{"children", {1, 2}}, {"extensions", light(0)}},
+                   {{"extensions", light(1)}},
                    {{"extensions", light(2)}}});
     TALBOT_LOADED(as_specified, b.load());
+    ASSERT_EQ(as_specified.lights.size(), 3u);
     EXPECT_EQ(as_specified.lights[0].intensity, 2);
     EXPECT_EQ(as_specified.lights[0].angular_diameter, 0) << "a point light is none";
     EXPECT_EQ(as_specified.lights[1].intensity, 3);
@@ -242,6 +244,7 @@ TEST(Lights, UnitsAndSunAngleAreAsAskedFor) {
     options.lights.units = LightUnits::radiometric;
     options.lights.sun_degrees = 90;
     TALBOT_LOADED(watts, b.load(options));
+    ASSERT_EQ(watts.lights.size(), 3u);
     EXPECT_EQ(watts.lights[0].intensity, 2 * 683.0f);
     EXPECT_EQ(watts.lights[1].intensity, 3 * 683.0f);
     EXPECT_FLOAT_EQ(watts.lights[1].angular_diameter, 0.5f * kPi);
