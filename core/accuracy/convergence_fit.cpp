@@ -117,7 +117,9 @@ PowerLaw fit_power(std::span<const Point> points) {
     const double exponent = std::clamp(kPrior + trust * off, 1.0, kMostExponent);
     const double doubt =
         kDoubtOfLaw * (exponent - 1) + kDoubtOfSmooth * std::max(0.0, exponent - kEdges);
-    return {exponent, std::hypot(std::sqrt(trust * slope_variance), doubt)};
+    // Where the data and the prior disagree, either may be right.
+    const double pulled = (1 - trust) * off;
+    return {exponent, std::hypot(std::sqrt(trust * slope_variance), doubt, pulled)};
 }
 
 // v over the difference of the last octave, and the derivative of its logarithm by the exponent.
@@ -128,9 +130,9 @@ double level_slope(double exponent) {
     return std::numbers::ln2 * std::exp2(exponent) * level(exponent);
 }
 
-// What the octaves of a render tell of the next ones. An exponent between those of many-bounce light
-// and of edges means that both are there, and the edges' part falls by sqrt(2) against the rest at
-// every doubling. The slope is that of octaves whose middle lies two doublings back.
+// What the octaves of a render tell of the next ones. An exponent between those of many-bounce
+// light and of edges means that both are there, and the edges' part falls by sqrt(2) against the
+// rest at every doubling. The slope is that of octaves whose middle lies two doublings back.
 void look_ahead(double exponent, ConvergenceFit::Term (&terms)[2]) {
     constexpr double kBounces = 1, kEdges = 1.5, kSince = 0.5;
     terms[0] = {exponent, 1};
@@ -229,7 +231,8 @@ ConvergenceFit fit_convergence(std::span<const Octave> octaves) {
     // The difference scatters about its expectation, and so does the true error of this one image.
     const double own = octaves.back().standard_error / octaves.back().difference;
     const double by_exponent = level_slope(law.exponent) * law.standard_deviation;
-    fit.log_v_sd = std::hypot(std::numbers::sqrt2 * own, by_exponent, law_and_denominator_sd(octaves));
+    fit.log_v_sd =
+        std::hypot(std::numbers::sqrt2 * own, by_exponent, law_and_denominator_sd(octaves));
     return fit;
 }
 
