@@ -103,6 +103,13 @@ void note_material(EffectReport& report, const Material& material, const std::st
 EffectSet material_effects(const Material& material) {
     EffectReport report;
     note_material(report, material, {});
+    // Its textures have no effect of their own; texture coordinates come with those of base colour.
+    if (report.active.has(Effect::specular) &&
+        (material.specular_texture.used() || material.specular_color_texture.used()))
+        report.active.add(Effect::base_color_texture);
+    // The inside of a body is told from its outside, and one body from another, by the code of
+    // transmission, be it all metal.
+    if (material.thickness_factor > 0) report.active.add(Effect::transmission);
     return report.active;
 }
 

@@ -4,6 +4,20 @@
 #include "core/scene/effects_off.h"
 
 namespace talbot {
+namespace {
+
+// Texture coordinates are no effect, but a kernel must have them where anything that is placed
+// asks.
+EffectSet surface_needs(const Scene& scene) {
+    std::vector<EffectSet> asked;
+    for (const Material& material : scene.materials()) asked.push_back(material_effects(material));
+    EffectSet needs;
+    for (const SceneInstance& i : scene.geometry().instances) needs = needs | asked[i.material];
+    for (const Sphere& s : scene.geometry().spheres) needs = needs | asked[s.material];
+    return needs & EffectSet{EffectSet::bit(Effect::base_color_texture)};
+}
+
+}  // namespace
 
 PreparedView prepare_view(std::shared_ptr<const Scene> scene, const Camera& camera,
                           const RenderSettings& settings, WorkerPool& pool,
@@ -39,7 +53,7 @@ PreparedView prepare_view(std::shared_ptr<const Scene> scene, const Camera& came
     const EffectSet needed = view.forced_off == EffectSet{}
                                  ? view.effects.active
                                  : analyse_effects(*view.reduced, view.camera).active;
-    view.tier = smallest_tier(needed | view.forced_on);
+    view.tier = smallest_tier(needed | view.forced_on | surface_needs(view.scene->scene()));
     return view;
 }
 
