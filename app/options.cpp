@@ -303,7 +303,7 @@ Status convert_lights(const RawOptions& raw, Options& o) {
         return s;
     const std::optional<double>& sun = o.light_reading.sun_degrees;
     if (sun && !(*sun >= 0 && *sun <= 180))
-        return usage("--sun-angle", "must lie between 0 and 180 degrees");
+        return usage_error("--sun-angle", "must lie between 0 and 180 degrees");
     return Done{};
 }
 
