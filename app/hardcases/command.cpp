@@ -13,6 +13,7 @@
 #include "app/hardcases/report.h"
 #include "app/hardcases/selection.h"
 #include "app/hardcases/stress.h"
+#include "app/hardcases/twin.h"
 #include "core/base/log.h"
 #include "core/io/image_io.h"
 
@@ -27,7 +28,11 @@ struct HardcasesOptions {
     std::string json, html;
     RunSettings settings;
     std::string scene;              // stress mode
-    std::vector<std::string> rest;  // render options of stress mode
+    std::string twin, difference;   // twin mode
+    std::string scenes;             // folder for the scenes of image cases
+    std::vector<std::string> rest;  // render options of stress and twin mode
+
+    const std::string& scene_file() const { return twin.empty() ? scene : twin; }
 };
 
 Error usage(const std::string& what) {
@@ -53,6 +58,12 @@ Result<std::optional<HardcasesOptions>> parse(std::span<const std::string> args)
         "--scene", o.scene,
         "stress mode: this scene moved, scaled, turned and mirrored, with the options of "
         "a render (--size, --frames, --environment, --camera, ...)");
+    app.add_option("--twin", o.twin,
+                   "twin mode: the samples of this scene in float and in double, with the options "
+                   "of a render");
+    app.add_option("--difference", o.difference, "twin mode: |float - double| as .exr");
+    app.add_option("--save-scenes", o.scenes,
+                   "folder for the scenes of image cases, as glTF for other renderers");
     app.allow_extras();
     app.footer("Exit code 1 when a P0 row fails or is blind.");
     try {
@@ -66,14 +77,16 @@ Result<std::optional<HardcasesOptions>> parse(std::span<const std::string> args)
         return usage(what + "; see talbot hardcases --help");
     }
     o.rest = app.remaining();
-    if (o.scene.empty() && !o.rest.empty())
+    if (o.scene_file().empty() && !o.rest.empty())
         return usage("'" + o.rest.front() + "' is not known; see talbot hardcases --help");
-    if (!o.scene.empty() && (!o.only.empty() || !o.html.empty()))
-        return usage("--scene goes with neither --only nor --html");
+    if (!o.scene.empty() && !o.twin.empty()) return usage("--scene and --twin: one at a time");
+    if (!o.scene_file().empty() && (!o.only.empty() || !o.html.empty() || !o.scenes.empty()))
+        return usage("--scene and --twin go with none of --only, --html and --save-scenes");
+    if (!o.difference.empty() && o.twin.empty()) return usage("--difference belongs to --twin");
     if (full) o.effort = Effort::full;
     if (!o.json.empty() && o.json == o.html)
         return usage("--json and --html name one file; give each its own");
-    for (const std::string& file : {o.json, o.html}) {
+    for (const std::string& file : {o.json, o.html, o.difference}) {
         if (file.empty() || file == "-") continue;
         if (Status status = check_writable(file); !status) return status.error();
     }
@@ -90,6 +103,9 @@ Status write_reports(const HardcasesOptions& options, const CaseReport& report) 
         std::fputs(cases_json(report).c_str(), stdout);
     } else if (!options.json.empty()) {
         if (Status s = write_text(options.json, cases_json(report)); !s) return s;
+    }
+    if (!options.scenes.empty()) {
+        if (Status s = save_scenes(options.scenes, report); !s) return s;
     }
     if (options.html.empty()) return Done{};
     const Result<std::string> html = cases_html(report);
@@ -119,9 +135,9 @@ class ProgressLine {
     bool active_;
 };
 
-// The words of stress mode that a render knows, too.
+// The words of stress and twin mode that a render knows, too.
 Result<Options> render_options(const HardcasesOptions& options) {
-    std::vector<std::string> words{"talbot", options.scene};
+    std::vector<std::string> words{"talbot", options.scene_file()};
     words.insert(words.end(), options.rest.begin(), options.rest.end());
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
@@ -131,7 +147,7 @@ Result<Options> render_options(const HardcasesOptions& options) {
     if (!*parsed) return usage("see talbot hardcases --help");
     Options render = std::move(**parsed);
     if (render.time_seconds || render.target_error_percent || !render.outputs.empty())
-        return usage("stress mode renders --frames N and writes --json only");
+        return usage("stress and twin mode render --frames N and write --json only");
     render.threads = options.settings.threads;
     render.render.seed = options.settings.seed;
     return render;
@@ -159,6 +175,29 @@ Result<int> stress(const HardcasesOptions& options) {
     }
     if (report->interrupted) return kExitInterrupted;
     return report->kept() ? kExitDone : kExitFailed;
+}
+
+Result<int> twins(const HardcasesOptions& options) {
+    const Result<Options> render = render_options(options);
+    if (!render) return render.error();
+    set_log_level(render->log_level);
+    catch_interrupts();
+    const Result<TwinReport> report = run_twin(*render);
+    if (!report) return report.error();
+    if (options.json == "-") {
+        std::fputs(twin_json(*report).c_str(), stdout);
+    } else {
+        print_twin(*report, stdout);
+        if (!options.json.empty()) {
+            if (Status s = write_text(options.json, twin_json(*report)); !s) return s.error();
+        }
+    }
+    if (!options.difference.empty()) {
+        if (Status s = save_exr(options.difference, twin_difference(report->comparison)); !s)
+            return s.error();
+    }
+    if (report->interrupted) return kExitInterrupted;
+    return broken_twin(report->comparison).empty() ? kExitDone : kExitFailed;
 }
 
 Result<int> run(const HardcasesOptions& options) {
@@ -208,9 +247,10 @@ Result<int> run(const HardcasesOptions& options) {
 int run_hardcases(std::span<const std::string> args) {
     const Result<std::optional<HardcasesOptions>> options = parse(args);
     if (options && !*options) return kExitDone;
-    const Result<int> code = !options                    ? Result<int>(options.error())
-                             : (*options)->scene.empty() ? run(**options)
-                                                         : stress(**options);
+    const Result<int> code = !options                     ? Result<int>(options.error())
+                             : !(*options)->twin.empty()  ? twins(**options)
+                             : !(*options)->scene.empty() ? stress(**options)
+                                                          : run(**options);
     if (code) return *code;
     log_error(code.error().line());
     return exit_code(code.error());

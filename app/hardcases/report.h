@@ -46,4 +46,7 @@ std::string cases_json(const CaseReport& report);
 // One file without any reference to another.
 Result<std::string> cases_html(const CaseReport& report);
 
+// One self-contained glTF file a picture whose scene a file can say; makes the folder.
+Status save_scenes(const std::string& folder, const CaseReport& report);
+
 }  // namespace talbot::hardcases
