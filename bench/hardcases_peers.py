@@ -192,7 +192,7 @@ def measure(renderer, scene, cases, folder):
             rows.append({"case": name, "renderer": renderer.name, "failed": str(error).splitlines()[0]})
             continue
         rows.append({"case": name, "renderer": renderer.name, "relmse": relmse(image, base), "noise_relmse": noise,
-                     "same": bool(np.array_equal(image, base)), "black_pixels": int(np.sum(np.all(image == 0, axis=2))),
+                     "mean_ratio": float(np.nanmean(image) / np.mean(base)), "same": bool(np.array_equal(image, base)), "black_pixels": int(np.sum(np.all(image == 0, axis=2))),
                      "not_finite": int(np.sum(~np.isfinite(image)))})
     return rows
 
@@ -204,7 +204,13 @@ def cell(row):
         return "failed"
     if row["same"]:
         return "same bytes"
-    return f"{row['relmse']:.1e} ({row['relmse'] / row['noise_relmse']:.1g} x noise)" if row["noise_relmse"] > 0 else f"{row['relmse']:.1e}"
+    text = f"{row['relmse']:.1e}"
+    if row["noise_relmse"] > 0 and row["relmse"] > 1e-6:
+        text += f" ({row['relmse'] / row['noise_relmse']:.1g} x noise"
+        if abs(row["mean_ratio"] - 1) > 0.005:
+            text += f", mean {100 * (row['mean_ratio'] - 1):+.0f} %"
+        text += ")"
+    return text
 
 
 def main():

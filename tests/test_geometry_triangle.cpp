@@ -113,9 +113,9 @@ TEST(Triangle, NeedlesUnderGrazingRays) {
         ray.o = target + distance * point(std::cos(turn), std::sin(turn), std::sin(angle));
         ray.d = target - ray.o;
         if (ray.d == Vec3f(0)) continue;
-        Quad numerator = 0;
-        Quad denominator = 0;
-        const bool expect = exact_triangle<Quad>(ray, tri, numerator, denominator);
+        hardcases::Quad numerator = 0;
+        hardcases::Quad denominator = 0;
+        const bool expect = exact_triangle<hardcases::Quad>(ray, tri, numerator, denominator);
         TriangleHit hit{};
         const bool found = own_triangle(ray, tri, hit);
         wrong_set += found != expect;

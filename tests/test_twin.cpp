@@ -12,7 +12,8 @@ namespace talbot {
 namespace {
 
 constexpr twin::Budget kBudget{24, 24, 8};
-constexpr double kTogether = 1e-4;
+// Without glass.
+constexpr double kTogether = 1e-5;
 
 SceneDesc load(const std::string& name) {
     Result<SceneDesc> desc = load_gltf(TALBOT_SOURCE_DIR "/assets/scenes/" + name);

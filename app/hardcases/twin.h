@@ -13,8 +13,9 @@ namespace talbot::hardcases {
 // Float must stay this far below the Monte Carlo error of the same budget: relMSE as a share of its.
 // A tenth adds less than 5 % to the error of a picture.
 inline constexpr double kTwinShareOfNoise = 0.1;
-// And samples that go the same way, this close: a path's dozen vertices of some hundred roundings.
-inline constexpr double kTwinTogether = 1e-4;
+// And samples that go the same way, this close: curved glass magnifies a rounding up to
+// twin::kParted before they count as parted. Without glass it is 1e-6.
+inline constexpr double kTwinTogether = 1e-3;
 // Standard errors that the mean may be off by.
 inline constexpr double kTwinBiasErrors = 4.5;
 

@@ -24,7 +24,7 @@ inline constexpr std::array<std::string_view, kPartings> kPartingNames{
     "surface", "lobe", "direction", "roulette", "light"};
 
 // Directions further apart than this (radians) are those of different paths.
-inline constexpr double kParted = 0.1;
+inline constexpr double kParted = 0.01;
 // Share of a sample's radiance; light that one path got and the other did not differs by more.
 inline constexpr double kOtherLight = 0.01;
 // The last entry counts later vertices, too.
