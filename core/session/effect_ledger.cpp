@@ -220,15 +220,6 @@ std::optional<std::vector<EffectPrice>> price_effects(
         if (stop.stop_requested()) return std::nullopt;
         report(i + 1);
     }
-    Race race(contenders, policy);
-    const int most = std::max(policy.rounds, policy.most_rounds);
-    for (int round = 0; round < most; ++round) {
-        // Both halves have as many rounds when they are compared.
-        if (round >= policy.rounds && round % 2 == 0 && race.resolves(pairs)) break;
-        race.run_round(stop);
-        if (stop.stop_requested()) return std::nullopt;
-        if (progress) progress(0.5f + 0.5f * static_cast<float>(round) / static_cast<float>(most));
-    }
     std::vector<EffectPrice> prices;
     for (const Pair& pair : pairs) {
         const Contender& with = *contenders[pair.with];
@@ -238,9 +229,21 @@ std::optional<std::vector<EffectPrice>> price_effects(
         price.error_percent =
             share_percent(half_distance(with, with.film()), half_distance(without, with.film()));
         price.change = measure_floor(without.half, without.film(), with.half, with.film());
-        price.time_percent = race.share(pair);
-        price.time_spread = race.spread(pair);
         prices.push_back(price);
+    }
+    // From here on the films hold slices only.
+    Race race(contenders, policy);
+    const int most = std::max(policy.rounds, policy.most_rounds);
+    for (int round = 0; round < most; ++round) {
+        // Both halves have as many rounds when they are compared.
+        if (round >= policy.rounds && round % 2 == 0 && race.resolves(pairs)) break;
+        race.run_round(stop);
+        if (stop.stop_requested()) return std::nullopt;
+        if (progress) progress(0.5f + 0.5f * static_cast<float>(round) / static_cast<float>(most));
+    }
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        prices[i].time_percent = race.share(pairs[i]);
+        prices[i].time_spread = race.spread(pairs[i]);
     }
     return prices;
 }

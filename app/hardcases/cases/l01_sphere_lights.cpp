@@ -184,7 +184,7 @@ CaseImages picture(Effort effort, double& worst, uint64_t& nonfinite, WorkerPool
         }
     }
     images.scene_file_name = "l01-small-sun.gltf";
-    images.scene_gltf = gltf_text(builder, camera);
+    images.scene_gltf = gltf_text(builder, camera, kSize);
     return images;
 }
 

@@ -181,7 +181,7 @@ CaseImages picture(double& naive_error, double& own_error, uint64_t& nonfinite) 
     own_error = compare_images(images.own, clear, 0).relmse;
     nonfinite = bad.total();
     images.scene_file_name = "s04-index-one.gltf";
-    images.scene_gltf = gltf_text(with, camera);
+    images.scene_gltf = gltf_text(with, camera, kSize);
     return images;
 }
 

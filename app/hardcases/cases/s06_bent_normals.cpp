@@ -218,7 +218,7 @@ CaseResult run(Effort effort) {
         own_black += black;
         if (tilt != 60) continue;
         images.scene_file_name = "s06-tilted-normals.gltf";
-        images.scene_gltf = gltf_text(builder, camera);
+        images.scene_gltf = gltf_text(builder, camera, kSize);
         result.images.push_back(std::move(images));
     }
     result.nonfinite = bad.total();

@@ -93,7 +93,7 @@ CaseImages picture(Effort effort, double& naive_worst, double& own_worst, uint64
     }
     nonfinite = bad.total();
     images.scene_file_name = "s07-furnace.gltf";
-    images.scene_gltf = gltf_text(builder, camera);
+    images.scene_gltf = gltf_text(builder, camera, kSize);
     return images;
 }
 

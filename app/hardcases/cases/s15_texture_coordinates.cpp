@@ -150,7 +150,7 @@ CaseResult run(Effort effort) {
         }
     }
     images.scene_file_name = "s15-horizon.gltf";
-    images.scene_gltf = gltf_text(scene, camera);
+    images.scene_gltf = gltf_text(scene, camera, kSize);
     result.images.push_back(std::move(images));
     result.nonfinite = bad.total();
 

@@ -108,7 +108,8 @@ class Joined {
 
 class Writer {
   public:
-    Writer(const SceneDesc& desc, const Camera& camera) : desc_(desc), camera_(camera) {}
+    Writer(const SceneDesc& desc, const Camera& camera, uint32_t side_px)
+        : desc_(desc), camera_(camera), side_px_(side_px) {}
 
     std::string text() {
         for (const Material& m : desc_.materials) materials_.add(material(m));
@@ -304,7 +305,8 @@ class Writer {
                     ",\"uri\":\"data:application/octet-stream;base64," + base64(buffer_) + "\"}]";
         part("nodes", nodes_);
         text += ",\n\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":" +
-                number(camera_.yfov) + ",\"znear\":0.01}}]";
+                number(camera_.yfov) + ",\"znear\":0.01},\"extras\":{\"resolution\":[" +
+                std::to_string(side_px_) + "," + std::to_string(side_px_) + "]}}]";
         text += ",\n\"scenes\":[{\"nodes\":[" + roots_.text() +
                 "],\"extras\":{\"environment\":" + environment() + "}}],\"scene\":0}\n";
         return text;
@@ -312,6 +314,7 @@ class Writer {
 
     const SceneDesc& desc_;
     const Camera& camera_;
+    const uint32_t side_px_;
     std::vector<uint8_t> buffer_;
     Joined used_, materials_, images_, textures_, meshes_, accessors_, views_, nodes_, roots_;
     Joined shapes_, lights_;
@@ -321,8 +324,8 @@ class Writer {
 
 }  // namespace
 
-std::string gltf_text(const SceneBuilder& builder, const Camera& camera) {
-    return Writer(builder.desc(), camera).text();
+std::string gltf_text(const SceneBuilder& builder, const Camera& camera, uint32_t side_px) {
+    return Writer(builder.desc(), camera, side_px).text();
 }
 
 }  // namespace talbot::hardcases

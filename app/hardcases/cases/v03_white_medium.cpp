@@ -176,7 +176,7 @@ CaseImages picture(Effort effort, double& naive_error, uint64_t& nonfinite, Work
     }
     naive_error = std::abs(sum / count - 1);
     images.scene_file_name = "v03-white-medium.gltf";
-    images.scene_gltf = gltf_text(builder, camera);
+    images.scene_gltf = gltf_text(builder, camera, kSize);
     return images;
 }
 
