@@ -24,10 +24,16 @@ constexpr double kSamplesPerSecond = 5e5;
 // Images do not depend on it.
 BuildQuality choose_quality(const Options& options, const SceneDesc& desc) {
     if (!options.headless()) return BuildQuality::fast;
-    const Resolution size = options.size.value_or(kDefaultSize);
+    // The first camera stands for the one that will be chosen.
+    const std::optional<Resolution> own =
+        desc.cameras.empty() ? std::nullopt : desc.cameras.front().resolution;
+    const Resolution size = options.size.value_or(own.value_or(kDefaultSize));
     const double pixels = static_cast<double>(size.width) * static_cast<double>(size.height);
+    const bool open_end =
+        options.time_seconds || options.target_error_percent || !options.resume.empty();
     double samples = std::numeric_limits<double>::infinity();
-    if (options.frames) samples = pixels * static_cast<double>(*options.frames);
+    if (options.frames || !open_end)
+        samples = pixels * static_cast<double>(options.frames.value_or(1));
     if (options.time_seconds)
         samples = std::min(samples, kSamplesPerSecond * *options.time_seconds);
     double triangles = 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/exit_code.h"
 #include "app/hardcases/interrupt.h"
 #include "app/hardcases/report.h"
 #include "app/scene_setup.h"
@@ -25,12 +26,15 @@ Result<twin::Comparison> compare(const Options& options, const SceneDesc& desc,
     const Resolution size = options.size.value_or(kTwinSize);
     budget = {size.width, size.height, options.frames.value_or(kTwinSamples)};
     const PathSettings settings = path_settings(options.render);
+    const LightSampling sampling = light_sampling(options.render);
     PathSettings other = settings;
     ++other.seed;
     const auto own =
-        twin::make_float_tracer(desc, *camera, settings, size.width, size.height, pool);
-    const auto twin = twin::make_double_tracer(desc, *camera, settings, size.width, size.height);
-    const auto again = twin::make_double_tracer(desc, *camera, other, size.width, size.height);
+        twin::make_float_tracer(desc, *camera, settings, size.width, size.height, pool, sampling);
+    const auto twin =
+        twin::make_double_tracer(desc, *camera, settings, size.width, size.height, sampling);
+    const auto again =
+        twin::make_double_tracer(desc, *camera, other, size.width, size.height, sampling);
     return twin::compare_twins(*own, *twin, *again, budget, pool, is_interrupted);
 }
 
@@ -46,6 +50,8 @@ std::string broken_twin(const twin::Comparison& c) {
 }
 
 Result<TwinReport> run_twin(const Options& options) {
+    if (options.render.forced_on != EffectSet{} || options.render.forced_off != EffectSet{})
+        return usage_error("--effects", "the twin calculates every effect; leave this out");
     const auto start = std::chrono::steady_clock::now();
     const Result<SceneDesc> desc = load_scene(options);
     if (!desc) return desc.error();
@@ -115,7 +121,8 @@ void print_twin(const TwinReport& report, std::FILE* out) {
                  report.budget.width, report.budget.height,
                  static_cast<unsigned long long>(report.budget.samples));
     std::fprintf(out, "relMSE of float against double   %.3g\n", c.relmse);
-    std::fprintf(out, "relMSE of the noise              %.3g   float's share of it %.3g (at most %g)\n",
+    std::fprintf(out,
+                 "relMSE of the noise              %.3g   float's share of it %.3g (at most %g)\n",
                  c.noise, c.share_of_noise(), kTwinShareOfNoise);
     std::fprintf(out, "samples that part                %.3g %%\n", share(c.parted));
     for (std::size_t i = 0; i < twin::kPartings; ++i) {
@@ -125,14 +132,15 @@ void print_twin(const TwinReport& report, std::FILE* out) {
     }
     std::fprintf(out, "  at vertex 1, 2, ...           ");
     for (const uint64_t count : c.by_vertex) std::fprintf(out, " %.2g", share(count));
-    std::fprintf(out, " %%\nsamples that do not: differ by   %.3g of their radiance, RMS (at most %g)\n",
+    std::fprintf(out,
+                 " %%\nsamples that do not: differ by   %.3g of their radiance, RMS (at most %g)\n",
                  c.together, kTwinTogether);
     std::fprintf(out, "mean of the picture off by       %.2g +- %.2g\n", c.bias, c.bias_error);
     for (const twin::PartedSample& s : c.worst) {
-        std::fprintf(out, "  --pixel %u,%u --sample %llu: %s at vertex %u, changes its pixel by %.2g\n",
-                     s.x, s.y, static_cast<unsigned long long>(s.sample),
-                     twin::kPartingNames[static_cast<std::size_t>(s.why)].data(), s.vertex + 1,
-                     s.change);
+        std::fprintf(
+            out, "  --pixel %u,%u --sample %llu: %s at vertex %u, changes its pixel by %.2g\n", s.x,
+            s.y, static_cast<unsigned long long>(s.sample),
+            twin::kPartingNames[static_cast<std::size_t>(s.why)].data(), s.vertex + 1, s.change);
     }
     const std::string broken = broken_twin(c);
     std::fprintf(out, "%s; %.1f s\n", broken.empty() ? "KEPT" : ("BROKEN: " + broken).c_str(),

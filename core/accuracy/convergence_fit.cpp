@@ -118,7 +118,8 @@ PowerLaw fit_power(std::span<const Point> points) {
     const double doubt =
         kDoubtOfLaw * (exponent - 1) + kDoubtOfSmooth * std::max(0.0, exponent - kEdges);
     // Where the data and the prior disagree, either may be right.
-    const double pulled = (1 - trust) * off;
+    constexpr double kDoubtOfPrior = 0.3;
+    const double pulled = kDoubtOfPrior * (1 - trust) * off;
     return {exponent, std::hypot(std::sqrt(trust * slope_variance), doubt, pulled)};
 }
 

@@ -5,6 +5,7 @@
 #include "core/base/check.h"
 #include "core/integrate/path_observer.h"
 #include "core/integrate/tiers.h"
+#include "core/math/sample_bits.h"
 
 namespace talbot {
 namespace {
@@ -58,12 +59,11 @@ Rgb missed(Aov aov) {
     return Rgb(0);
 }
 
-// Leaves are told apart by a number that float holds exactly.
+// Leaves of a tree are told apart by a number that float holds exactly.
 Rgb leaf_value(Aov aov, const Accel& accel, const Ray& ray, const Hit& hit) {
     LeafPlace place;
     if (!accel.find_leaf(ray, hit, place)) return missed(aov);
-    constexpr uint32_t kLeafNames = 1u << 24;
-    return Rgb(static_cast<float>(aov == Aov::bvh_depth ? place.depth : place.leaf % kLeafNames));
+    return Rgb(static_cast<float>(aov == Aov::bvh_depth ? place.depth : hash32(place.leaf) >> 8));
 }
 
 Rgb first_hit_value(Aov aov, const RenderScene& rs, const CameraRays& camera,

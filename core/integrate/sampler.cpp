@@ -1,5 +1,5 @@
-// The kinds of sampler beside the default one. All of them are addressed alike: a pair of numbers is
-// a pure function of (seed, pixel, sample index, dimension pair).
+// The kinds of sampler beside the default one. All of them are addressed alike: a pair of numbers
+// is a pure function of (seed, pixel, sample index, dimension pair).
 #include "core/integrate/sampler.h"
 
 #include <bit>
@@ -32,7 +32,7 @@ uint32_t permuted(uint32_t i, uint32_t size, uint32_t seed) {
         i &= mask;
         i ^= i >> 5;
     } while (i >= size);
-    return (i + seed) % size;
+    return (i + seed % size) % size;
 }
 
 // Numbers have 24 bits (unit_float).
@@ -122,14 +122,15 @@ Vec2f Sampler::stratified_pair(uint32_t pair) const {
 Vec2f Sampler::halton_pair(uint32_t pair) const {
     if (pair >= kHaltonPairs) return independent_pair(pair);
     const uint32_t seed = hash_combine(key_, pair);
-    return Vec2f(scrambled_radical_inverse(kBases[2 * pair], index_, hash32(seed ^ kFirstSalt)),
-                 scrambled_radical_inverse(kBases[2 * pair + 1], index_, hash32(seed ^ kSecondSalt)));
+    return Vec2f(
+        scrambled_radical_inverse(kBases[2 * pair], index_, hash32(seed ^ kFirstSalt)),
+        scrambled_radical_inverse(kBases[2 * pair + 1], index_, hash32(seed ^ kSecondSalt)));
 }
 
 // One Sobol' sequence for the whole image, dealt out along a Z-curve over the pixels, so that
 // neighbours, too, complement each other (Ahmed and Wonka 2020). That needs the number of samples
-// beforehand; here samples 0, 1, 2-3, 4-7, ... are dealt out one such batch after the other, each of
-// its own scrambling. From kBatched on the pixel's own sequence goes on, for then the eye sees
+// beforehand; here samples 0, 1, 2-3, 4-7, ... are dealt out one such batch after the other, each
+// of its own scrambling. From kBatched on the pixel's own sequence goes on, for then the eye sees
 // nothing of it.
 Vec2f Sampler::zsobol_pair(uint32_t pair) const {
     constexpr uint32_t kBatched = 256;

@@ -2,8 +2,8 @@
 // dimension pair). Pairs are assigned by purpose and bounce (see Purpose), never by "next call", so
 // kernels that skip an effect see the same numbers. Sobol': each pair is the (0,2)-sequence with
 // its index shuffled and its values scrambled by nested uniform scrambling in hash form (Burley
-// 2020; constants of Vegdahl 2021). The upper 32 bits of the sample index enter the seeds. The other
-// kinds are in sampler.cpp.
+// 2020; constants of Vegdahl 2021). The upper 32 bits of the sample index enter the seeds. The
+// other kinds are in sampler.cpp.
 #pragma once
 
 #include <array>
@@ -162,8 +162,10 @@ inline Bounce Sampler::bounce(uint32_t bounce) const {
     Bounce result;
     const uint32_t first = bounce_pair(bounce, BouncePair{0});
     if (kind_ != SamplerKind::sobol) {
+        Vec2f u(0);
         for (std::size_t lane = 0; lane < Bounce::kLanes; ++lane) {
-            const Vec2f u = pair(first + Bounce::kPair[lane]);
+            if (lane == 0 || Bounce::kPair[lane] != Bounce::kPair[lane - 1])
+                u = pair(first + Bounce::kPair[lane]);
             result.lanes_[lane] = Bounce::kIsSecond[lane] != 0 ? u.y : u.x;
         }
         return result;

@@ -1,7 +1,7 @@
 // Everything that sends light, and how a shading point picks from it: emissive triangles and
 // spheres, punctual lights and the environment. With LightSelection::tree those with a place are
-// chosen by a light tree from kTreeLights lights on. Radiance in nits, densities per solid angle and
-// including the probability of the choice.
+// chosen by a light tree from kTreeLights lights on. Radiance in nits, densities per solid angle
+// and including the probability of the choice.
 #pragma once
 
 #include <cstdint>
@@ -32,8 +32,8 @@ struct Light {
     PrimitiveId id{};       // of emissive surfaces
     uint32_t punctual = 0;  // index of a punctual light
     Vec3f p0{0}, e1{0},
-        e2{0};   // triangle: corner and edges; punctual: position in p0, direction in e1
-    Vec3f n{0};  // triangle: front side
+        e2{0};             // triangle: corner and edges; punctual: position in p0, direction in e1
+    Vec3f n{0};            // triangle: front side
     uint32_t sun = kNoId;  // directional: its disc among suns()
     float area = 0;
     Rgb radiance{0};   // factor x strength, before textures; intensity of punctual lights
@@ -65,9 +65,9 @@ class LightTable {
         return !choice_.is_empty() || !tree_.is_empty() || environment_.is_sampled();
     }
 
-    // One light for a point p, with u_choice, or where there are few u itself, picking it. n: the surface's unit normal on the side
-    // that is lit, zero where light from both sides counts. Empty when the chosen light cannot send
-    // anything to p.
+    // One light for a point p. u_choice picks it, or, while there is no tree, u.x does and u_choice
+    // fills its low bits. n: the surface's unit normal on the side that is lit, zero where light
+    // from both sides counts. Empty when the chosen light cannot send anything to p.
     std::optional<LightSample> sample(const Scene& scene, const Vec3f& p, const Vec3f& n,
                                       float u_choice, const Vec2f& u) const;
 
@@ -89,7 +89,7 @@ class LightTable {
     uint32_t light_of(PrimitiveId id) const;
 
     LightSampling sampling_;
-    // A few lights are chosen by power; more by the tree, beside the lights without a place.
+    // Without a tree choice_ picks among all lights, beside one among those without a place.
     std::vector<Light> lights_;
     DiscreteDistribution choice_;  // with a tree: of lights without a place
     LightTree tree_;

@@ -243,7 +243,7 @@ void Bsdf<kTier>::make_base(const ShadingParams& params, bool outside, float wei
                 albedo = glass_->albedo();
             }
         }
-        if (transmission < 1) {
+        if (!(transmission >= 1)) {  // also where it is no number
             const float share = 1 - transmission;
             opaque_.make(params, metallic / share, kGlossy ? specular : 0.0f, specular_color,
                          share * weight, wo_local_);

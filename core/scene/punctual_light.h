@@ -35,14 +35,17 @@ struct PunctualLight {
     float range = kInfinity;     // metres, > 0; nothing arrives beyond it
     float inner_cone_angle = 0;  // radians, 0 <= inner < outer <= pi/2
     float outer_cone_angle = 0.78539816f;
-    // Radians, of directional lights: above 0 they are discs, which reflections and the camera see.
+    // Radians, of directional lights: above 0 (2^-20) they are discs, which reflections and the
+    // camera see.
     float angular_diameter = 0;
 
     // Whether it sends anything.
-    bool shines() const {
-        return intensity > 0 && (color.x > 0 || color.y > 0 || color.z > 0);
+    bool shines() const { return intensity > 0 && (color.x > 0 || color.y > 0 || color.z > 0); }
+    // What float directions cannot tell from a point is a direction without extent.
+    bool is_disc() const {
+        constexpr float kLeastDiameter = 0x1p-20f;
+        return kind == PunctualKind::directional && angular_diameter >= kLeastDiameter;
     }
-    bool is_disc() const { return kind == PunctualKind::directional && angular_diameter > 0; }
     bool operator==(const PunctualLight&) const = default;
 };
 

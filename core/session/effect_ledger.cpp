@@ -239,7 +239,8 @@ std::optional<std::vector<EffectPrice>> price_effects(
         if (round >= policy.rounds && round % 2 == 0 && race.resolves(pairs)) break;
         race.run_round(stop);
         if (stop.stop_requested()) return std::nullopt;
-        if (progress) progress(0.5f + 0.5f * static_cast<float>(round) / static_cast<float>(most));
+        if (progress)
+            progress(0.5f + 0.5f * static_cast<float>(round + 1) / static_cast<float>(most));
     }
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         prices[i].time_percent = race.share(pairs[i]);

@@ -30,8 +30,9 @@ struct PricePolicy {
     uint32_t pixels = 4096;  // of the small image of the same view
     uint64_t samples = 32;   // a pixel, for error and change
     uint64_t slice_samples = 4;
-    // Each slice counts with its least time of so many rounds: more while a share of the time is
-    // not yet told to `resolution` of itself, or to that part of one per cent for small ones.
+    // Each slice counts with its least time of at least `rounds` rounds; they end when every share
+    // of the time is told to `resolution` of itself, or to that part of one per cent for small
+    // ones.
     int rounds = 10;
     int most_rounds = 60;
     double resolution = 0.03;

@@ -10,13 +10,11 @@ ReplayedPath Retracer::path(const std::shared_ptr<const Scene>& scene, const Cam
     const std::lock_guard lock(mutex_);
     // A path is the same to the bit only in the workers' rounding of denormals.
     enter_worker_float_mode();
-    const LightSampling sampling = light_sampling(settings);
-    if (!scene_ || scene_->shared_scene() != scene || !(scene_->lights().sampling() == sampling))
-        scene_ =
-            std::make_shared<const RenderScene>(scene, scene_.get(), EffectSet{}, sampling);
-    const CameraRays rays(camera, scene->origin(), settings.width, settings.height,
+    WorkerPool pool(1);
+    view_ = prepare_view(scene, camera, settings, pool, view_ ? &*view_ : nullptr);
+    const CameraRays rays(view_->camera, scene->origin(), settings.width, settings.height,
                           scene->geometry().bounds);
-    return replay_path(*scene_, rays, path_settings(settings), x, y, sample);
+    return replay_path(*view_->scene, rays, path_settings(settings), x, y, sample);
 }
 
 }  // namespace talbot

@@ -3,8 +3,10 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "core/integrate/replay.h"
+#include "core/session/prepared_view.h"
 #include "core/session/settings.h"
 
 namespace talbot {
@@ -18,7 +20,7 @@ class Retracer {
 
   private:
     std::mutex mutex_;
-    std::shared_ptr<const RenderScene> scene_;
+    std::optional<PreparedView> view_;  // of the last path
 };
 
 }  // namespace talbot

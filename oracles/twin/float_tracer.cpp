@@ -9,8 +9,8 @@ using namespace talbot;
 class FloatTracer final : public Tracer {
   public:
     FloatTracer(const SceneDesc& desc, const Camera& camera, const PathSettings& settings,
-                uint32_t width, uint32_t height, WorkerPool& pool)
-        : scene_(Scene::build(desc, pool)),
+                uint32_t width, uint32_t height, WorkerPool& pool, const LightSampling& sampling)
+        : scene_(Scene::build(desc, pool), nullptr, {}, sampling),
           rays_(camera, scene_.scene().origin(), width, height, scene_.scene().geometry().bounds),
           settings_(settings) {}
 
@@ -28,8 +28,10 @@ class FloatTracer final : public Tracer {
 
 std::unique_ptr<const Tracer> make_float_tracer(const SceneDesc& desc, const Camera& camera,
                                                 const PathSettings& settings, uint32_t width,
-                                                uint32_t height, WorkerPool& pool) {
-    return std::make_unique<const FloatTracer>(desc, camera, settings, width, height, pool);
+                                                uint32_t height, WorkerPool& pool,
+                                                const LightSampling& sampling) {
+    return std::make_unique<const FloatTracer>(desc, camera, settings, width, height, pool,
+                                               sampling);
 }
 
 }  // namespace twin

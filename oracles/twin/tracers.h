@@ -25,10 +25,12 @@ std::unique_ptr<const Tracer> make_float_tracer(const talbot::SceneDesc& desc,
                                                 const talbot::Camera& camera,
                                                 const talbot::PathSettings& settings,
                                                 uint32_t width, uint32_t height,
-                                                talbot::WorkerPool& pool);
+                                                talbot::WorkerPool& pool,
+                                                const talbot::LightSampling& sampling = {});
 std::unique_ptr<const Tracer> make_double_tracer(const talbot::SceneDesc& desc,
                                                  const talbot::Camera& camera,
                                                  const talbot::PathSettings& settings,
-                                                 uint32_t width, uint32_t height);
+                                                 uint32_t width, uint32_t height,
+                                                 const talbot::LightSampling& sampling = {});
 
 }  // namespace twin
