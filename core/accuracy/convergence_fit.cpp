@@ -118,7 +118,7 @@ PowerLaw fit_power(std::span<const Point> points) {
     const double doubt =
         kDoubtOfLaw * (exponent - 1) + kDoubtOfSmooth * std::max(0.0, exponent - kEdges);
     // Where the data and the prior disagree, either may be right.
-    constexpr double kDoubtOfPrior = 0.3;
+    constexpr double kDoubtOfPrior = 0.7;
     const double pulled = kDoubtOfPrior * (1 - trust) * off;
     return {exponent, std::hypot(std::sqrt(trust * slope_variance), doubt, pulled)};
 }
