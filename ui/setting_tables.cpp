@@ -107,7 +107,7 @@ std::span<const Parameter<RenderSettings>> render_parameters() {
                                           .note = "Which of many lights a point samples."}),
         setting<&RenderSettings::environment_sampling>(
             {.name = "environment_sampling",
-             .label = "Environment sampling",
+             .label = "Sky sampling",
              .kind = Kind::choice,
              .upper = kEnvironmentSamplings.size() - 1,
              .choices = labels_of(kEnvironmentSamplings),
