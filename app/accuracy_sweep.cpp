@@ -81,19 +81,16 @@ std::string apply(const std::string& key, const std::string& value, SweepConfig&
     if (key == "sampler")
         return word_of(kSamplers, &SamplerInfo::kind, value, "a sampler", s.sampler);
     if (key == "lights")
-        return word_of(kLightSelections, &LightSelectionInfo::kind, value,
-                       "a selection of lights", s.lights);
+        return word_of(kLightSelections, &LightSelectionInfo::kind, value, "a selection of lights",
+                       s.lights);
     if (key == "environment-sampling")
         return word_of(kEnvironmentSamplings, &EnvironmentSamplingInfo::kind, value,
                        "a sampling of environments", s.environment_sampling);
     if (key == "filter") {
-        for (const FilterInfo& info : kFilters) {
-            if (info.name != value) continue;
-            config.may_be_biased = s.filter != info.kind;
-            s.filter = info.kind;
-            return "";
-        }
-        return "'" + value + "' is not a filter";
+        const FilterKind before = s.filter;
+        std::string problem = word_of(kFilters, &FilterInfo::kind, value, "a filter", s.filter);
+        if (problem.empty()) config.may_be_biased = s.filter != before;
+        return problem;
     }
     if (key == "effects") {
         if (parse_effect_list(value, s.forced_on, s.forced_off))
@@ -102,7 +99,8 @@ std::string apply(const std::string& key, const std::string& value, SweepConfig&
         return "";
     }
     return "the key '" + key +
-           "' is not known; use max-depth, sampler, filter, lights, environment-sampling, roulette, "
+           "' is not known; use max-depth, sampler, filter, lights, environment-sampling, "
+           "roulette, "
            "nee, effects, effect.NAME or tile-size";
 }
 

@@ -20,6 +20,8 @@ import tempfile
 
 import numpy as np
 
+from cycles_compare import read_pfm
+
 # Name, scale, shift in metres along (1, -1, 1).
 CASES = [
     ("scaled by 2^-20", 2.0 ** -20, 0), ("scaled by 2^20", 2.0 ** 20, 0), ("scaled by 1e-3", 1e-3, 0), ("scaled by 1e-5", 1e-5, 0),
@@ -27,15 +29,6 @@ CASES = [
     ("moved by 1e7 m", 1, 1e7),
 ]
 QUICK = ("scaled by 2^-20", "moved by 1 km")
-
-
-def read_pfm(path):
-    with open(path, "rb") as file:
-        assert file.readline().strip() == b"PF"
-        width, height = map(int, file.readline().split())
-        little = float(file.readline()) < 0
-        data = np.fromfile(file, "<f4" if little else ">f4", width * height * 3)
-    return data.reshape(height, width, 3)[::-1].astype(float)
 
 
 def relmse(image, reference):

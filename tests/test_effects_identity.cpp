@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 
 #include "core/integrate/tiers.h"
 #include "core/io/gltf_loader.h"
 #include "core/math/robust.h"
 #include "tests/effect_scenes.h"
+#include "tests/shared_scenes.h"
 
 namespace talbot {
 namespace {
@@ -20,16 +20,6 @@ namespace fs = std::filesystem;
 WorkerPool& workers() {
     static WorkerPool pool;
     return pool;
-}
-
-std::vector<fs::path> gltf_files(const fs::path& folder) {
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-        const std::string extension = entry.path().extension();
-        if (extension == ".gltf" || extension == ".glb") files.push_back(entry.path());
-    }
-    std::sort(files.begin(), files.end());
-    return files;
 }
 
 RenderSettings tiny() {
@@ -87,7 +77,7 @@ void expect_identity(const fs::path& file, Tally& tally) {
 
 TEST(EffectsIdentity, BuiltInScenes) {
     Tally tally;
-    for (const fs::path& file : gltf_files(TALBOT_SOURCE_DIR "/assets/scenes"))
+    for (const fs::path& file : test::gltf_files(TALBOT_SOURCE_DIR "/assets/scenes"))
         expect_identity(file, tally);
     tally.print();
     EXPECT_GE(tally.scenes, 6);
@@ -95,15 +85,14 @@ TEST(EffectsIdentity, BuiltInScenes) {
 }
 
 TEST(EffectsIdentity, SharedModels) {
-    const char* shared = std::getenv("TALBOT_SHARED_DIR");
-    const fs::path folder = shared ? shared : TALBOT_SOURCE_DIR "/../shared";
+    const fs::path folder = test::shared_folder();
     if (!fs::is_directory(folder / "models"))
         GTEST_SKIP() << "NO MODELS TESTED: " << folder / "models"
                      << " is not there; TALBOT_SHARED_DIR names the folder";
     Tally tally;
     for (const char* part : {"models", "scenes"}) {
         if (!fs::is_directory(folder / part)) continue;
-        for (const fs::path& file : gltf_files(folder / part)) expect_identity(file, tally);
+        for (const fs::path& file : test::gltf_files(folder / part)) expect_identity(file, tally);
     }
     tally.print();
     EXPECT_GT(tally.scenes, 0);

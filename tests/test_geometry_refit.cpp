@@ -1,13 +1,13 @@
 // Refitted structures against brute force on what has moved, and when a refit is refused.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 
 #include "core/io/gltf_loader.h"
 #include "core/scene/scene.h"
 #include "geometry_scenes.h"
+#include "tests/shared_scenes.h"
 
 namespace talbot::test {
 namespace {
@@ -145,10 +145,7 @@ TEST(Refit, TrianglesThatNothingCanMeet) {
 // A skinned model at several moments: the scene that takes over the structure of the last moment
 // gives the hits of one that is built anew.
 TEST(Refit, AnAnimatedModel) {
-    const char* shared = std::getenv("TALBOT_SHARED_DIR");
-    const std::filesystem::path file =
-        std::filesystem::path(shared ? shared : TALBOT_SOURCE_DIR "/../shared") /
-        "models/CesiumMan/CesiumMan.glb";
+    const std::filesystem::path file = test::shared_folder() / "models/CesiumMan/CesiumMan.glb";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << "NO SAMPLE MODEL AT " << file;
     WorkerPool pool(2);
     const auto open = GltfFile::open(file);

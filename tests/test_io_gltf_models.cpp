@@ -9,26 +9,12 @@
 #include "core/io/gltf/extensions.h"
 #include "core/math/robust.h"
 #include "io_gltf_builder.h"
+#include "tests/shared_scenes.h"
 
 namespace talbot {
 namespace {
 
 using namespace test;
-
-fs::path shared_folder() {
-    const char* shared = std::getenv("TALBOT_SHARED_DIR");
-    return shared ? shared : TALBOT_SOURCE_DIR "/../shared";
-}
-
-std::vector<fs::path> gltf_files(const fs::path& folder) {
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-        const std::string extension = entry.path().extension();
-        if (extension == ".gltf" || extension == ".glb") files.push_back(entry.path());
-    }
-    std::sort(files.begin(), files.end());
-    return files;
-}
 
 Json json_of(const fs::path& file) {
     const std::vector<uint8_t> bytes = read_bytes(file);

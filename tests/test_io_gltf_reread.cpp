@@ -1,10 +1,10 @@
 // A file that stays open gives, at every time and in every variant, what a fresh reading gives.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 
 #include "core/io/gltf_loader.h"
 #include "io_gltf_builder.h"
+#include "tests/shared_scenes.h"
 
 namespace talbot {
 namespace {
@@ -12,8 +12,7 @@ namespace {
 using namespace test;
 
 fs::path models_folder() {
-    const char* shared = std::getenv("TALBOT_SHARED_DIR");
-    return fs::path(shared ? shared : TALBOT_SOURCE_DIR "/../shared") / "models";
+    return shared_folder() / "models";
 }
 
 // Whether two readings place the same triangles with the same materials.

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "io_gltf_builder.h"
+#include "tests/shared_scenes.h"
 
 namespace talbot {
 namespace {
@@ -157,8 +158,7 @@ TEST(Tangents, DegenerateTextureCoordinatesStillGiveAFrame) {
 // The tangents of a model by another author's tool are the oracle: the same file without them must
 // come out alike.
 TEST(Tangents, AgreeWithASharedModel) {
-    const char* shared = std::getenv("TALBOT_SHARED_DIR");
-    const fs::path folder = fs::path(shared ? shared : TALBOT_SOURCE_DIR "/../shared") / "models";
+    const fs::path folder = shared_folder() / "models";
     const fs::path file = folder / "NormalTangentMirrorTest/NormalTangentMirrorTest.glb";
     if (!fs::exists(file))
         GTEST_SKIP() << "no shared models in " << folder << "; set TALBOT_SHARED_DIR";

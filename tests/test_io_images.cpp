@@ -15,6 +15,7 @@
 
 #include "core/math/robust.h"
 #include "io_gltf_builder.h"
+#include "tests/shared_scenes.h"
 
 namespace talbot {
 namespace {
@@ -433,9 +434,7 @@ TEST(Environment, RepairsWhatIsNoRadiance) {
 
 // Solid-angle-weighted means, measured by another decoder (README of the maps), to three digits.
 TEST(Environment, MeansOfTheSharedMaps) {
-    const char* shared = std::getenv("TALBOT_SHARED_DIR");
-    const fs::path folder =
-        fs::path(shared ? shared : TALBOT_SOURCE_DIR "/../shared") / "environments";
+    const fs::path folder = test::shared_folder() / "environments";
     if (!fs::exists(folder)) GTEST_SKIP() << "no " << folder << "; set TALBOT_SHARED_DIR";
     const std::pair<const char*, Rgb> maps[] = {
         {"aristea_wreck_puresky_1k.hdr", Rgb(0.790f, 0.826f, 0.934f)},

@@ -12,6 +12,7 @@
 #include "core/io/ktx2/huffman.h"
 #include "core/io/ktx2/uastc.h"
 #include "io_gltf_builder.h"
+#include "tests/shared_scenes.h"
 
 namespace talbot {
 namespace {
@@ -20,8 +21,7 @@ using namespace test;
 using namespace ktx2;
 
 fs::path lamp_folder() {
-    const char* shared = std::getenv("TALBOT_SHARED_DIR");
-    return fs::path(shared ? shared : TALBOT_SOURCE_DIR "/../shared") / "models/StainedGlassLamp";
+    return shared_folder() / "models/StainedGlassLamp";
 }
 
 std::vector<fs::path> lamp_textures() {

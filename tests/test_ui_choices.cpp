@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <functional>
 #include <thread>
 
+#include "tests/shared_scenes.h"
 #include "ui/frame_loop.h"
 
 namespace talbot {
@@ -15,8 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path models_folder() {
-    const char* shared = std::getenv("TALBOT_SHARED_DIR");
-    return fs::path(shared ? shared : TALBOT_SOURCE_DIR "/../shared") / "models";
+    return test::shared_folder() / "models";
 }
 
 class ChoicesTest : public testing::Test {

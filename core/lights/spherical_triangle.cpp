@@ -75,10 +75,6 @@ struct Sectors {
     }
 };
 
-bool is_wide(const TriangleView& view) {
-    return dot(view.a, view.b) < 0 || dot(view.b, view.c) < 0 || dot(view.c, view.a) < 0;
-}
-
 Vec3d nearest_on_edge(const Vec3d& p, const Vec3d& q) {
     const Vec3d edge = q - p;
     const double square = dot(edge, edge);
@@ -114,6 +110,10 @@ Sector whole(const TriangleView& view) {
 }
 
 }  // namespace
+
+bool is_wide(const TriangleView& view) {
+    return dot(view.a, view.b) < 0 || dot(view.b, view.c) < 0 || dot(view.c, view.a) < 0;
+}
 
 double solid_angle(const TriangleView& view) {
     return is_wide(view) ? cut(view).total : solid_angle(whole(view));

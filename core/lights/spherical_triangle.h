@@ -12,6 +12,10 @@ struct TriangleView {
     Vec3d a{0}, b{0}, c{0};
 };
 
+// Whether a side spans more than a right angle: such triangles are cut into sectors before they are
+// sampled, by another map than Arvo's.
+bool is_wide(const TriangleView& view);
+
 // Steradians, in [0, 2 pi]; 0 when the point lies in the triangle's plane (Van Oosterom and
 // Strackee 1983).
 double solid_angle(const TriangleView& view);

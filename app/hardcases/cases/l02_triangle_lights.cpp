@@ -91,13 +91,7 @@ glm::vec<2, Real> inverse(const TriangleView& view, Real omega, const Vec3d& d) 
     return {reference(part) / omega, one_minus_cos(w, b) / one_minus_cos(corner, b)};
 }
 
-// Triangles with a side beyond a right angle are cut into sectors before they are sampled.
-bool is_wide(const TriangleView& view) {
-    return glm::dot(view.a, view.b) < 0 || glm::dot(view.b, view.c) < 0 ||
-           glm::dot(view.c, view.a) < 0;
-}
-
-// The control there: a direction to a point that is even over the area.
+// The control for triangles that are wide: a direction to a point that is even over the area.
 Vec3d unit_towards(const TriangleView& view, const Vec2f& u) {
     const double root = std::sqrt(static_cast<double>(u.x));
     const double b1 = 1 - root;
