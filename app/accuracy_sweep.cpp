@@ -92,6 +92,13 @@ std::string apply(const std::string& key, const std::string& value, SweepConfig&
         if (problem.empty()) config.may_be_biased = s.filter != before;
         return problem;
     }
+    if (key == "texture-filter") {
+        const TextureFiltering before = s.texture_filter;
+        std::string problem = word_of(kTextureFilterings, &TextureFilteringInfo::kind, value,
+                                      "a texture filter", s.texture_filter);
+        if (problem.empty()) config.may_be_biased = s.texture_filter != before;
+        return problem;
+    }
     if (key == "effects") {
         if (parse_effect_list(value, s.forced_on, s.forced_off))
             return "'" + value + "' is not auto, all, an effect or -effect";
@@ -99,9 +106,8 @@ std::string apply(const std::string& key, const std::string& value, SweepConfig&
         return "";
     }
     return "the key '" + key +
-           "' is not known; use max-depth, sampler, filter, lights, environment-sampling, "
-           "roulette, "
-           "nee, effects, effect.NAME or tile-size";
+           "' is not known; use max-depth, sampler, filter, texture-filter, lights, "
+           "environment-sampling, roulette, nee, effects, effect.NAME or tile-size";
 }
 
 std::vector<std::string> default_sweeps(const RenderSettings& base) {

@@ -56,6 +56,8 @@ std::string sample_settings(const Scene& scene, const Camera& camera,
     text.whole("environment_sampling", static_cast<uint64_t>(settings.environment_sampling));
     text.whole("roulette", settings.russian_roulette);
     text.whole("nee", settings.next_event_estimation);
+    if (settings.texture_filter != TextureFiltering::none)
+        text.whole("texture_filter", static_cast<uint64_t>(settings.texture_filter));
     if (settings.forced_off != EffectSet{})
         text.word("effects_off", effect_names(settings.forced_off));
     text.whole("camera.kind", static_cast<uint64_t>(camera.kind));

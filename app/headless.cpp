@@ -143,6 +143,8 @@ Metadata metadata_of(const Snapshot& s) {
                       {"Scene", s.scene->file()},
                       {"Samples", std::to_string(s.passes)},
                       {"Seed", std::to_string(s.settings.seed)}};
+    if (s.settings.texture_filter != TextureFiltering::none)
+        metadata.push_back({"TextureFilter", "cones"});
     const EffectSet off = s.settings.forced_off & s.effects.active;
     if (off != EffectSet{}) metadata.push_back({"EffectsForcedOff", effect_names(off)});
     return metadata;

@@ -25,6 +25,7 @@ struct RawOptions {
     double exposure = 0;
     std::string lights;
     std::string environment_sampling;
+    std::string texture_filter;
     std::string light_units;
     bool quiet = false;
     bool no_roulette = false;
@@ -175,6 +176,9 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
     app.add_option("--max-depth", raw.max_depth, "most scattering events on a path");
     app.add_option("--sampler", raw.sampler, names_of(kSamplers));
     app.add_option("--filter", raw.filter, names_of(kFilters));
+    app.add_option("--texture-filter", raw.texture_filter,
+                   "how textures are looked up: none, or cones, which blur them by what a path "
+                   "covers (biased)");
     app.add_option("--lights", raw.lights, "how one of many lights is chosen: " +
                                                names_of(kLightSelections));
     app.add_option("--environment-sampling", raw.environment_sampling,
@@ -320,6 +324,11 @@ Status convert(const RawOptions& raw, Options& o) {
         return s;
     if (Status s =
             set_from_table(raw.filter, "--filter", kFilters, &FilterInfo::kind, o.render.filter);
+        !s)
+        return s;
+    if (Status s =
+            set_from_table(raw.texture_filter, "--texture-filter", kTextureFilterings,
+                           &TextureFilteringInfo::kind, o.render.texture_filter);
         !s)
         return s;
     if (Status s = convert_lights(raw, o); !s) return s;

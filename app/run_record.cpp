@@ -131,6 +131,8 @@ std::string run_record_json(const RunRecord& record) {
         name_in(kEnvironmentSamplings, s.settings.environment_sampling,
                 &EnvironmentSamplingInfo::kind);
     j["filter"] = name_in(kFilters, s.settings.filter, &FilterInfo::kind);
+    j["texture_filter"] =
+        name_in(kTextureFilterings, s.settings.texture_filter, &TextureFilteringInfo::kind);
     j["threads"] = record.threads;
     j["passes"] = s.passes;
     j["samples"] = s.samples;

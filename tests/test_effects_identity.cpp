@@ -70,7 +70,7 @@ void expect_identity(const fs::path& file, Tally& tally) {
     }
     settings.forced_on = EffectSet::all();
     const PreparedView all = prepare_view(scene, camera, settings, workers(), &chosen);
-    EXPECT_EQ(all.tier, kTiers.size() - 1);
+    EXPECT_EQ(all.tier, kFullKernel);
     EXPECT_EQ(render_view(all, settings, kPasses, workers()).hash(), hash)
         << file << ": all effects on against " << kTiers[chosen.tier].name;
 }

@@ -58,7 +58,7 @@ TEST_P(EffectOff, ForcedOnChangesNoByte) {
             .hash();
     settings.forced_on = EffectSet::all();
     const PreparedView all = prepare_view(made.scene, made.camera, settings, workers());
-    EXPECT_EQ(all.tier, kTiers.size() - 1);
+    EXPECT_EQ(all.tier, kFullKernel);
     EXPECT_EQ(render_view(all, settings, 4, workers()).hash(), hash);
     // The control: another sample's film differs.
     settings.seed = 1;

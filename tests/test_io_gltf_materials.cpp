@@ -146,7 +146,10 @@ TEST(Textures, SlotsSamplersAndSharedImages) {
         b.push("textures",
                {{"source", 0},
                 {"sampler",
-                 b.push("samplers", {{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}})}});
+                 b.push("samplers", {{"wrapS", 33071},
+                                     {"wrapT", 33648},
+                                     {"magFilter", 9728},
+                                     {"minFilter", 9984}})}});
     const int unused = b.add_texture();
     b.add_material({{"emissiveTexture", {{"index", unused}}}});
     TALBOT_LOADED(
@@ -171,9 +174,13 @@ TEST(Textures, SlotsSamplersAndSharedImages) {
     EXPECT_EQ(base.wrap_u, TextureWrap::clamp_to_edge);
     EXPECT_EQ(base.wrap_v, TextureWrap::mirrored_repeat);
     EXPECT_EQ(base.filter, TextureFilter::nearest);
+    EXPECT_EQ(base.levels, TextureLevels::nearest);
+    EXPECT_EQ(base.level_filter, TextureFilter::nearest);
     const Texture& normal = scene.textures[m.normal_texture.texture];
     EXPECT_EQ(normal.wrap_u, TextureWrap::repeat);
     EXPECT_EQ(normal.filter, TextureFilter::linear);
+    EXPECT_EQ(normal.levels, TextureLevels::blended);
+    EXPECT_EQ(normal.level_filter, TextureFilter::linear);
     EXPECT_EQ(m.normal_scale, 0.5f);
     EXPECT_EQ(m.metallic_roughness_texture.uv_set, 1);
     EXPECT_EQ(m.emissive_texture.texture, m.normal_texture.texture);

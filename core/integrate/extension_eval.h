@@ -2,38 +2,29 @@
 // its extension says. Called where the factor is not zero.
 #pragma once
 
-#include "core/integrate/surface_interaction.h"
+#include "core/integrate/texture_footprint.h"
 
 namespace talbot {
 
-// Both sets of texture coordinates, by value: a shading point that no reference leads to can stay
-// in registers.
-struct UvSets {
-    Vec2f first{0}, second{0};
-};
-inline UvSets uv_sets(const SurfaceInteraction& si) {
-    return {si.uv[0], si.uv[1]};
-}
-
-template <EffectSet kTier>
-Vec4f eval_slot(const Scene& scene, const TextureSlot& slot, UvSets sets,
-                TextureEncoding encoding) {
-    Vec2f uv = sets.first;
+// Point: UvSets, or a FilteredPoint.
+template <EffectSet kTier, typename Point>
+Vec4f eval_slot(const Scene& scene, const TextureSlot& slot, Point at, TextureEncoding encoding) {
+    Vec2f uv = at.first;
     if constexpr (kTier.has(Effect::second_uv)) {
-        if (slot.uv_set != 0) uv = sets.second;
+        if (slot.uv_set != 0) uv = at.second;
     }
     if constexpr (kTier.has(Effect::uv_transform)) uv = slot.apply(uv);
-    return eval_texture(scene.textures()[slot.texture], uv, encoding);
+    return lookup(scene, slot, at, uv, encoding);
 }
 
 // One channel of a linear texture; 1 where there is none.
-template <EffectSet kTier>
-float eval_channel(const Scene& scene, const TextureSlot& slot, UvSets uv, int channel) {
+template <EffectSet kTier, typename Point>
+float eval_channel(const Scene& scene, const TextureSlot& slot, Point uv, int channel) {
     return slot.used() ? eval_slot<kTier>(scene, slot, uv, TextureEncoding::linear)[channel] : 1.0f;
 }
 
-template <EffectSet kTier>
-Rgb eval_color(const Scene& scene, const TextureSlot& slot, UvSets uv) {
+template <EffectSet kTier, typename Point>
+Rgb eval_color(const Scene& scene, const TextureSlot& slot, Point uv) {
     return slot.used() ? Rgb(eval_slot<kTier>(scene, slot, uv, TextureEncoding::srgb)) : Rgb(1);
 }
 
@@ -41,8 +32,8 @@ Rgb eval_color(const Scene& scene, const TextureSlot& slot, UvSets uv) {
 // should not be slowed by it.
 
 // The normal of a normal map about n; n itself where the texel is flat.
-template <EffectSet kTier>
-Vec3f mapped_normal(const Scene& scene, const TextureSlot& slot, float scale, UvSets uv,
+template <EffectSet kTier, typename Point>
+Vec3f mapped_normal(const Scene& scene, const TextureSlot& slot, float scale, Point uv,
                     const Vec3f& n, const Tangent& tangent) {
     const Vec4f texel = eval_slot<kTier>(scene, slot, uv, TextureEncoding::linear);
     // 8-bit maps store the flat direction as 127 or 128 of 255: both mean zero.
@@ -67,10 +58,10 @@ struct MappedNormals {
     Vec3f surface{0}, coat{0};
     Tangent tangent;
 };
-template <EffectSet kTier>
+template <EffectSet kTier, typename Point>
 [[gnu::noinline]] MappedNormals map_normals(const Scene& scene, const Material& m, PrimitiveId id,
                                             Vec2f barycentric, Vec3f n_geometric, Vec3f n,
-                                            UvSets uv) {
+                                            Point uv) {
     const Tangent tangent = tangent_at(scene, id, barycentric, n_geometric, n);
     MappedNormals result{n, n, tangent};
     if (kTier.has(Effect::clearcoat) && m.clearcoat_factor > 0 && m.clearcoat_normal_texture.used())
@@ -86,8 +77,8 @@ struct CoatFactors {
     float factor = 0;
     float alpha = 0;
 };
-template <EffectSet kTier>
-[[gnu::noinline]] CoatFactors eval_clearcoat(const Scene& scene, const Material& m, UvSets uv) {
+template <EffectSet kTier, typename Point>
+[[gnu::noinline]] CoatFactors eval_clearcoat(const Scene& scene, const Material& m, Point uv) {
     const float roughness = m.clearcoat_roughness_factor *
                             eval_channel<kTier>(scene, m.clearcoat_roughness_texture, uv, 1);
     return {m.clearcoat_factor * eval_channel<kTier>(scene, m.clearcoat_texture, uv, 0),
@@ -98,8 +89,8 @@ struct SheenFactors {
     Rgb color{0};
     float alpha = 0;
 };
-template <EffectSet kTier>
-[[gnu::noinline]] SheenFactors eval_sheen(const Scene& scene, const Material& m, UvSets uv) {
+template <EffectSet kTier, typename Point>
+[[gnu::noinline]] SheenFactors eval_sheen(const Scene& scene, const Material& m, Point uv) {
     const float roughness =
         m.sheen_roughness_factor * eval_channel<kTier>(scene, m.sheen_roughness_texture, uv, 3);
     return {m.sheen_color_factor * eval_color<kTier>(scene, m.sheen_color_texture, uv),
@@ -110,9 +101,9 @@ struct ThroughFactors {
     Rgb color{1};
     float factor = 0;
 };
-template <EffectSet kTier>
+template <EffectSet kTier, typename Point>
 [[gnu::noinline]] ThroughFactors eval_diffuse_transmission(const Scene& scene, const Material& m,
-                                                           UvSets uv) {
+                                                           Point uv) {
     return {m.diffuse_transmission_color_factor *
                 eval_color<kTier>(scene, m.diffuse_transmission_color_texture, uv),
             m.diffuse_transmission_factor *
@@ -124,9 +115,9 @@ struct AnisotropyFactors {
     float strength = 0;
 };
 // The direction comes from the texture, turned by the rotation, in the plane of the shading normal.
-template <EffectSet kTier>
+template <EffectSet kTier, typename Point>
 [[gnu::noinline]] AnisotropyFactors eval_anisotropy(const Scene& scene, const Material& m,
-                                                    UvSets uv, Vec3f n, Vec3f any_tangent,
+                                                    Point uv, Vec3f n, Vec3f any_tangent,
                                                     Tangent known) {
     AnisotropyFactors result{Vec3f(0), m.anisotropy_strength};
     Vec2f direction(1, 0);
@@ -149,8 +140,8 @@ struct FilmFactors {
     float factor = 0;
     float thickness = 0;  // nanometres
 };
-template <EffectSet kTier>
-[[gnu::noinline]] FilmFactors eval_iridescence(const Scene& scene, const Material& m, UvSets uv) {
+template <EffectSet kTier, typename Point>
+[[gnu::noinline]] FilmFactors eval_iridescence(const Scene& scene, const Material& m, Point uv) {
     FilmFactors result;
     result.factor = m.iridescence_factor * eval_channel<kTier>(scene, m.iridescence_texture, uv, 0);
     const float t = eval_channel<kTier>(scene, m.iridescence_thickness_texture, uv, 1);

@@ -1,6 +1,8 @@
 // A material's factors at a shading point: glTF factors times textures times vertex colour, and the
-// normal map.
+// normal map; textures filtered where a footprint is given.
 #pragma once
+
+#include <type_traits>
 
 #include "core/integrate/extension_eval.h"
 #include "core/integrate/surface_interaction.h"
@@ -8,24 +10,27 @@
 namespace talbot {
 
 // Base colour and alpha.
-template <EffectSet kTier>
-Vec4f eval_base_color(const Scene& scene, const Material& material, const SurfaceInteraction& si) {
+template <EffectSet kTier, typename Footprint = Unfiltered>
+Vec4f eval_base_color(const Scene& scene, const Material& material, const SurfaceInteraction& si,
+                      Footprint footprint = {}) {
     Vec4f color = material.base_color_factor;
     if constexpr (kTier.has(Effect::vertex_color)) color *= si.color;
     if constexpr (kTier.has(Effect::base_color_texture)) {
         if (material.base_color_texture.used()) {
-            color *= eval_slot<kTier>(scene, material.base_color_texture, uv_sets(si),
-                                      TextureEncoding::srgb);
+            auto at = texture_point(si, footprint);
+            if constexpr (std::is_same_v<Footprint, TextureFootprint>)
+                at.by_alpha = material.alpha_mode != AlphaMode::opaque;
+            color *= eval_slot<kTier>(scene, material.base_color_texture, at, TextureEncoding::srgb);
         }
     }
     return color;
 }
 
 // Factors of the extensions' layers, which know no texture where their factor is zero.
-template <EffectSet kTier>
+template <EffectSet kTier, typename Footprint>
 void eval_layers(const Scene& scene, const Material& material, const SurfaceInteraction& si,
-                 ShadingParams& params) {
-    [[maybe_unused]] const UvSets uv = uv_sets(si);
+                 Footprint footprint, ShadingParams& params) {
+    [[maybe_unused]] const auto uv = texture_point(si, footprint);
     if constexpr (kTier.has(Effect::clearcoat)) {
         if (material.clearcoat_factor > 0) {
             const CoatFactors coat = eval_clearcoat<kTier>(scene, material, uv);
@@ -66,12 +71,12 @@ void eval_layers(const Scene& scene, const Material& material, const SurfaceInte
     }
 }
 
-template <EffectSet kTier>
+template <EffectSet kTier, typename Footprint = Unfiltered>
 ShadingParams eval_shading_params(const Scene& scene, const Material& material,
-                                  const SurfaceInteraction& si) {
+                                  const SurfaceInteraction& si, Footprint footprint = {}) {
     ShadingParams params;
-    [[maybe_unused]] const UvSets uv = uv_sets(si);
-    params.base_color = Rgb(eval_base_color<kTier>(scene, material, si));
+    [[maybe_unused]] const auto uv = texture_point(si, footprint);
+    params.base_color = Rgb(eval_base_color<kTier>(scene, material, si, footprint));
     params.metallic = material.metallic_factor;
     float roughness = material.roughness_factor;
     if constexpr (kTier.has(Effect::metallic_roughness_texture)) {
@@ -107,7 +112,7 @@ ShadingParams eval_shading_params(const Scene& scene, const Material& material,
     if constexpr (kTier.has(Effect::transmission) || kTier.has(Effect::diffuse_transmission)) {
         params.thin = !(material.thickness_factor > 0);
     }
-    eval_layers<kTier>(scene, material, si, params);
+    eval_layers<kTier>(scene, material, si, footprint, params);
     return params;
 }
 
@@ -121,15 +126,17 @@ bool needs_tangent(const Material& m) {
 
 // Turns the shading frame by the normal map, and notes the tangent and the clear coat's own normal.
 // A flat texel leaves the frame untouched.
-template <EffectSet kTier>
-void apply_normal_map(const Scene& scene, const Material& material, SurfaceInteraction& si) {
+template <EffectSet kTier, typename Footprint = Unfiltered>
+void apply_normal_map(const Scene& scene, const Material& material, SurfaceInteraction& si,
+                      Footprint footprint = {}) {
     if constexpr (kTier.has(Effect::clearcoat)) si.coat_normal = si.shading.n;
     if constexpr (kTier.has(Effect::normal_map) || kTier.has(Effect::clearcoat) ||
                   kTier.has(Effect::anisotropy)) {
         // Unlikely, so that what is in registers is saved for the call there and nowhere else.
         if (needs_tangent<kTier>(material)) [[unlikely]] {
-            const MappedNormals mapped = map_normals<kTier>(
-                scene, material, si.id, si.barycentric, si.n_geometric, si.shading.n, uv_sets(si));
+            const MappedNormals mapped =
+                map_normals<kTier>(scene, material, si.id, si.barycentric, si.n_geometric,
+                                   si.shading.n, texture_point(si, footprint));
             si.tangent = mapped.tangent;
             if constexpr (kTier.has(Effect::clearcoat)) si.coat_normal = mapped.coat;
             if (kTier.has(Effect::normal_map) && mapped.surface != si.shading.n)

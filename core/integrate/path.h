@@ -9,89 +9,34 @@
 
 #include "core/geometry/force_inline.h"
 #include "core/integrate/coverage.h"
-#include "core/integrate/medium_stack.h"
+#include "core/integrate/path_state.h"
 #include "core/integrate/pixel_filter.h"
 #include "core/integrate/sampler.h"
-#include "core/integrate/tiers.h"
 #include "core/scattering/bsdf.h"
 #include "core/scattering/dispersion.h"
 #include "core/scattering/henyey_greenstein.h"
-#include "core/scattering/medium.h"
 
 namespace talbot {
 
 // The first vertex at which Russian roulette may end a path.
 inline constexpr uint32_t kRouletteStart = 4;
 
-struct PathSample {
-    Rgb Li{0};
-    bool covered = false;  // the camera path met a surface
-    uint32_t rays = 0;
-};
-
-// Steps that a replay writes down; a kernel's recorder does nothing and costs nothing. One that
-// tampers changes values on their way, to prove that what is wrong with a sample is noticed.
-struct NoRecorder {
-    static constexpr bool kActive = false;
-    static constexpr bool kTampers = false;
-};
-
-// Values of a path that a tampering recorder is shown.
-enum class PathValue : uint8_t {
-    environment,
-    environment_pdf,
-    emission,
-    emission_pdf,
-    transmittance,
-    base_color,
-    light,
-    light_pdf,
-    bsdf_value,
-    bsdf_pdf,
-    bsdf_weight,
-    bsdf_sample_pdf,
-};
-
-template <typename Recorder, typename T>
-void show_value(Recorder& recorder, PathValue what, T& value) {
-    if constexpr (Recorder::kTampers) recorder.tamper(what, value);
-}
-
-// What fills the space inside these volumes.
-inline Medium medium_inside(const MediumStack& media, std::span<const Material> materials) {
-    const uint32_t top = media.top(materials);
-    return top == kVacuum ? Medium{} : medium_of(materials[top]);
-}
-
-// State of one path between two vertices.
-struct PathState {
-    Rgb beta{1};
-    Rgb Li{0};
-    float eta_scale = 1;  // undoes the radiance scaling of refraction for the roulette
-    float bsdf_pdf = 0;   // density of the last scattering direction
-    bool specular =
-        true;  // the last event was the camera or a delta lobe: no other strategy finds its light
-    bool specular_chain = true;     // nothing but delta events since the camera
-    Vec3f from{0};                  // the last vertex
-    Vec3f n_from{0};                // its normal as light sampling was given it
-    float wavelength = 0;           // nanometres; 0 until a dispersive surface is met
-    MediumStack media;              // volumes that the ray is inside of
-    Medium medium;                  // of the one that fills the space
-    uint32_t false_boundaries = 0;  // crossed ones that were no surfaces
-    uint32_t medium_events = 0;     // times that the path scattered inside media
-
-    // Goes on inside other volumes than before.
-    void enter(const MediumStack& now, std::span<const Material> materials) {
-        media = now;
-        medium = medium_inside(now, materials);
-    }
-};
-
 // Light leaves a thick body that absorbs nothing after n events about as n^-1.5: after the first of
 // these many a path survives to event n with a chance as n^-0.5, which keeps both the time and the
 // variance small; after the second it soon ends, so that none goes on for ever.
 inline constexpr uint32_t kLongWalk = 256;
 inline constexpr uint32_t kEndlessWalk = 16384;
+
+// What a material is read with at a hit: in kernels with ray cones, their footprint there.
+template <EffectSet kTier>
+auto footprint_at(const RenderScene& rs, const SurfaceInteraction& si, const Ray& ray,
+                  const PathState& path) {
+    if constexpr (has_cones(kTier) && needs_uv(kTier)) {
+        return texture_footprint(rs.scene(), rs.pyramids(), si, ray.d, path.cone);
+    } else {
+        return Unfiltered{};
+    }
+}
 
 template <EffectSet kTier>
 inline constexpr bool kHasVolumes =
@@ -274,6 +219,10 @@ MediumEvent cross_medium(const RenderScene& rs, const PathSettings& settings,
     const HenyeyGreenstein phase(path.medium.g);
     const Vec3f wi = phase.sample(ray.d, numbers.bsdf());
     path.bsdf_pdf = phase.pdf(ray.d, wi);
+    if constexpr (has_cones(kTier)) {
+        path.cone.advance(sample.t);
+        path.cone.scatter(path.bsdf_pdf);
+    }
     path.specular = false;
     path.specular_chain = false;
     path.from = p;
@@ -314,8 +263,11 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
                                       const Sampler& sampler, uint32_t bounce, const Hit& hit,
                                       Ray& ray, PathState& path, uint32_t& rays,
                                       Recorder& recorder) {
-    SurfaceInteraction si = make_surface_interaction<kSurface>(rs.scene(), ray, hit);
+    // What is shaded with alike, with cones and without, is compiled once.
+    constexpr EffectSet kShading = kSurface & kFullTier;
+    SurfaceInteraction si = make_surface_interaction<kShading>(rs.scene(), ray, hit);
     const Material& material = rs.scene().materials()[si.material];
+    if constexpr (has_cones(kTier)) path.cone.advance(hit.t);
     Crossing crossing;
     if constexpr (kHasVolumes<kTier>) {
         crossing.after = path.media;
@@ -341,21 +293,25 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
     if constexpr (kSurface.has(Effect::unlit)) {
         if (material.unlit) {
             // Seen as it is by the camera and in mirrors; it does not light other surfaces.
-            if (path.specular_chain)
-                path.Li += path.beta * Rgb(eval_base_color<kSurface>(rs.scene(), material, si));
+            if (path.specular_chain) {
+                path.Li += path.beta * Rgb(eval_base_color<kShading>(
+                                           rs.scene(), material, si,
+                                           footprint_at<kSurface>(rs, si, ray, path)));
+            }
             if constexpr (Recorder::kActive) recorder.seen(bounce, path);
             return false;
         }
     }
-    add_emission<kSurface>(rs, settings, ray, material, si, path, recorder);
+    add_emission<kShading>(rs, settings, ray, material, si, path, recorder);
     if constexpr (Recorder::kActive) recorder.seen(bounce, path);
     uint32_t depth = bounce;
     if constexpr (kHasVolumes<kTier>) depth -= path.false_boundaries + path.medium_events;
     if (depth == settings.max_depth) return false;
 
     // The surface: everything below sees it from wo's side.
-    apply_normal_map<kSurface>(rs.scene(), material, si);
-    ShadingParams params = eval_shading_params<kSurface>(rs.scene(), material, si);
+    const auto footprint = footprint_at<kSurface>(rs, si, ray, path);
+    apply_normal_map<kShading>(rs.scene(), material, si, footprint);
+    ShadingParams params = eval_shading_params<kShading>(rs.scene(), material, si, footprint);
     show_value(recorder, PathValue::base_color, params.base_color);
     if constexpr (kSurface.has(Effect::dispersion)) {
         if (material.dispersion > 0 && material.ior > 1 && params.transmission > 0 &&
@@ -376,7 +332,7 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
     const bool lit_through = is_lit_through(params);
     if (lit_through) si.lift = Vec3f(0);
     const Vec3f n_surface = side * si.n_surface();
-    const Bsdf<kSurface> bsdf(params, frame, n_surface, -ray.d, si.front || params.thin);
+    const Bsdf<kShading> bsdf(params, frame, n_surface, -ray.d, si.front || params.thin);
     const Bounce numbers = sampler.bounce(bounce);
     const Vec3f n_lit = lit_through ? Vec3f(0) : n_surface;
     if (settings.next_event_estimation && bsdf.has_smooth_lobe() && rs.lights().can_sample()) {
@@ -402,6 +358,9 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
     if (is_black(path.beta)) return false;
     path.bsdf_pdf = scattered->pdf;
     path.specular = scattered->delta;
+    if constexpr (has_cones(kTier)) {
+        if (!scattered->delta) path.cone.scatter(scattered->pdf);
+    }
     path.specular_chain = path.specular_chain && scattered->delta;
     path.from = si.lit_point();
     path.n_from = n_lit;
@@ -458,6 +417,7 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
     Ray ray = camera.ray(static_cast<float>(x) + offset.x, static_cast<float>(y) + offset.y, lens);
     PathSample result;
     PathState path;
+    if constexpr (has_cones(kTier)) path.cone = camera.cone(ray).narrowed(kConeShare);
 
     for (uint32_t bounce = 0;; ++bounce) {
         Hit hit;

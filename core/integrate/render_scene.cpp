@@ -41,10 +41,12 @@ std::shared_ptr<const LightTable> make_lights(const Scene& scene, const RenderSc
 }  // namespace
 
 RenderScene::RenderScene(std::shared_ptr<const Scene> scene, const RenderScene* previous,
-                         EffectSet forced_on, const LightSampling& sampling)
+                         EffectSet forced_on, const LightSampling& sampling,
+                         std::shared_ptr<const TexturePyramids> pyramids)
     : given_(std::move(scene)),
       scene_(fold_scene(given_, forced_on)),
-      lights_(make_lights(*scene_, previous, sampling)) {
+      lights_(make_lights(*scene_, previous, sampling)),
+      pyramids_(std::move(pyramids)) {
     const SceneGeometry& geometry = scene_->geometry();
     const std::vector<Material>& materials = scene_->materials();
     const bool exact = !forced_on.has(Effect::alpha_mask) && !forced_on.has(Effect::alpha_blend);

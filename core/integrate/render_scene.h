@@ -9,6 +9,7 @@
 #include "core/lights/light_table.h"
 #include "core/scene/effects.h"
 #include "core/scene/scene.h"
+#include "core/scene/texture_pyramid.h"
 
 namespace talbot {
 
@@ -33,15 +34,19 @@ class RenderScene {
   public:
     // Folds what cannot be seen, except what belongs to the effects of `forced_on`, and leaves out
     // questions with known answers; the image is the same, byte for byte. Reuses what `previous`
-    // shares with the new scene.
+    // shares with the new scene. `pyramids`, where there are any, are for kernels with ray cones.
     RenderScene(std::shared_ptr<const Scene> scene, const RenderScene* previous = nullptr,
-                EffectSet forced_on = {}, const LightSampling& sampling = {});
+                EffectSet forced_on = {}, const LightSampling& sampling = {},
+                std::shared_ptr<const TexturePyramids> pyramids = nullptr);
 
     const Scene& scene() const { return *scene_; }
     // As it was given.
     const std::shared_ptr<const Scene>& shared_scene() const { return given_; }
     const LightTable& lights() const { return *lights_; }
     const std::shared_ptr<const LightTable>& shared_lights() const { return lights_; }
+
+    // Null where textures are not filtered.
+    const TexturePyramids* pyramids() const { return pyramids_.get(); }
 
     uint8_t coverage_flags(PrimitiveId id) const { return surface_bits(id) & kCoverageBits; }
     // Index into kSurfaceTiers: the shading that a surface asks for.
@@ -79,6 +84,7 @@ class RenderScene {
     std::vector<uint8_t> sphere_bits_;
     std::vector<AlphaLookup> instance_alpha_;
     uint8_t any_coverage_ = 0;
+    std::shared_ptr<const TexturePyramids> pyramids_;
 };
 
 }  // namespace talbot

@@ -1,4 +1,4 @@
-// The kinds of sampler and pixel filter, each with its words for the command line and the panel.
+// The kinds of sampler, pixel filter and texture filtering, each with its words for the command line and the panel.
 #pragma once
 
 #include <array>
@@ -31,6 +31,18 @@ struct FilterInfo {
 inline constexpr std::array<FilterInfo, 2> kFilters{{
     {FilterKind::box, "box", "Box (1 px)"},
     {FilterKind::blackman_harris, "blackman-harris", "Blackman-Harris (3.3 px)"},
+}};
+
+// BIAS: cones blur textures by what a ray's cone covers.
+enum class TextureFiltering : uint8_t { none, cones };
+struct TextureFilteringInfo {
+    TextureFiltering kind;
+    std::string_view name;
+    std::string_view label;
+};
+inline constexpr std::array<TextureFilteringInfo, 2> kTextureFilterings{{
+    {TextureFiltering::none, "none", "None"},
+    {TextureFiltering::cones, "cones", "Ray cones (biased)"},
 }};
 
 }  // namespace talbot

@@ -31,18 +31,29 @@ inline constexpr EffectSet kTransmissiveTier =
 // Everything: + the layers and lobes of the material extensions.
 inline constexpr EffectSet kFullTier = EffectSet::all();
 
+// No effect of a scene: a kernel that has it follows the cones of its rays and filters textures by
+// them. In the others nothing of that is compiled.
+inline constexpr EffectSet kRayCones{uint64_t{1} << kEffectCount};
+constexpr bool has_cones(EffectSet tier) {
+    return tier.covers(kRayCones);
+}
+inline constexpr EffectSet kFilteredTier = kFullTier | kRayCones;
+
 struct TierInfo {
     EffectSet effects;
     std::string_view name;
 };
-inline constexpr std::array<TierInfo, 5> kTiers{{
+inline constexpr std::array<TierInfo, 6> kTiers{{
     {kMatteTier, "matte"},
     {kGlossyTier, "glossy"},
     {kTexturedTier, "textured"},
     {kTransmissiveTier, "transmissive"},
     {kFullTier, "full"},
+    {kFilteredTier, "filtered"},
 }};
-static_assert(kTiers.back().effects == EffectSet::all(), "the last tier covers every scene");
+// The kernel of every effect; with the one after it no scene is covered that was not.
+inline constexpr std::size_t kFullKernel = 4;
+static_assert(kTiers[kFullKernel].effects == EffectSet::all(), "this tier covers every scene");
 
 template <std::size_t n>
 constexpr std::size_t first_cover(const std::array<TierInfo, n>& tiers, EffectSet effects) {

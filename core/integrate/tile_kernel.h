@@ -32,5 +32,6 @@ void render_tile_glossy(const TileJob& job, const std::stop_token& stop, TileCou
 void render_tile_textured(const TileJob& job, const std::stop_token& stop, TileCounts& counts);
 void render_tile_transmissive(const TileJob& job, const std::stop_token& stop, TileCounts& counts);
 void render_tile_full(const TileJob& job, const std::stop_token& stop, TileCounts& counts);
+void render_tile_filtered(const TileJob& job, const std::stop_token& stop, TileCounts& counts);
 
 }  // namespace talbot

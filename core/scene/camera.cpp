@@ -114,6 +114,16 @@ Ray CameraRays::ray(float px, float py, const Vec2f& lens) const {
     return ray;
 }
 
+RayCone CameraRays::cone(const Ray& ray) const {
+    const double side = 2 * std::sqrt(scale_x_ * scale_y_ / (static_cast<double>(width_) * height_));
+    if (kind_ == CameraKind::orthographic) return {static_cast<float>(side), 0};
+    // The window at distance 1 is seen from further away and aslant.
+    const double cosine = -dot(Vec3d(ray.d), axes_[2]);
+    const double spread = side * cosine * std::sqrt(cosine);
+    const double depth = dot(position_ - Vec3d(ray.o), axes_[2]);
+    return {static_cast<float>(spread * depth / cosine), static_cast<float>(spread)};
+}
+
 float CameraRays::distance_to(const Ray& ray, float t) const {
     const Vec3d to = Vec3d(ray.o) + static_cast<double>(t) * Vec3d(ray.d) - position_;
     return static_cast<float>(kind_ == CameraKind::orthographic ? -dot(to, axes_[2]) : length(to));

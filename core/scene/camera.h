@@ -7,6 +7,7 @@
 
 #include "core/geometry/accel.h"
 #include "core/math/ray.h"
+#include "core/math/ray_cone.h"
 #include "core/math/vec.h"
 
 namespace talbot {
@@ -64,6 +65,9 @@ class CameraRays {
     // The ray through image position (px, py), pixels from the top left corner; lens in [0,1)^2. d has unit length. Everything is
     // calculated in double and rounded once.
     Ray ray(float px, float py, const Vec2f& lens) const;
+
+    // The cone of one pixel about a ray of it, at the ray's origin: its solid angle, for an orthographic camera its area.
+    RayCone cone(const Ray& ray) const;
 
     // Metres from the camera's middle (an orthographic one: its plane) to the point at t of a ray.
     float distance_to(const Ray& ray, float t) const;

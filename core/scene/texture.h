@@ -28,6 +28,8 @@ inline constexpr unsigned kChannelAlpha = 8;
 
 enum class TextureWrap : uint8_t { repeat, mirrored_repeat, clamp_to_edge };
 enum class TextureFilter : uint8_t { linear, nearest };
+// What of an image's coarser levels a lookup takes, should levels be in use at all.
+enum class TextureLevels : uint8_t { none, nearest, blended };
 
 // An image with its sampler. Immutable and shared.
 struct Texture {
@@ -35,6 +37,9 @@ struct Texture {
     TextureWrap wrap_u = TextureWrap::repeat;
     TextureWrap wrap_v = TextureWrap::repeat;
     TextureFilter filter = TextureFilter::linear;
+    // Where a texel is smaller than what is looked up (glTF's minFilter).
+    TextureLevels levels = TextureLevels::blended;
+    TextureFilter level_filter = TextureFilter::linear;
 };
 
 // How colour channels are decoded: the alpha channel is linear in both.

@@ -76,6 +76,11 @@ std::vector<BiasedSwitch> biased_switches(const RenderSettings& settings) {
         depth.unbiased.max_depth = defaults.max_depth;
         list.push_back(std::move(depth));
     }
+    if (settings.texture_filter != defaults.texture_filter) {
+        BiasedSwitch level{"texture-filter cones", settings};
+        level.unbiased.texture_filter = defaults.texture_filter;
+        list.push_back(std::move(level));
+    }
     for (const EffectInfo& info : kEffects) {
         if (!settings.forced_off.has(info.effect)) continue;
         BiasedSwitch effect{"effects -" + std::string(info.name), settings};

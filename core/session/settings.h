@@ -15,6 +15,7 @@ struct RenderSettings {
     uint32_t max_depth = 64;  // scattering events on a path; BIAS: light beyond it is missing
     SamplerKind sampler = SamplerKind::sobol;
     FilterKind filter = FilterKind::box;
+    TextureFiltering texture_filter = TextureFiltering::none;  // BIAS: cones blur
     LightSelection lights = LightSelection::tree;
     EnvironmentSampling environment_sampling = EnvironmentSampling::compensated;
     bool russian_roulette = true;

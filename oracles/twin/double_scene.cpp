@@ -45,7 +45,7 @@ to::TextureSlot widen(const from::TextureSlot& slot) {
 }
 
 to::Texture widen(const from::Texture& texture) {
-    const auto& [image, wrap_u, wrap_v, filter] = texture;
+    const auto& [image, wrap_u, wrap_v, filter, levels, level_filter] = texture;
     to::Texture wide;
     if (image) {
         const auto& [width, height, rgba, name] = *image;
@@ -55,6 +55,8 @@ to::Texture widen(const from::Texture& texture) {
     wide.wrap_u = static_cast<to::TextureWrap>(wrap_u);
     wide.wrap_v = static_cast<to::TextureWrap>(wrap_v);
     wide.filter = static_cast<to::TextureFilter>(filter);
+    wide.levels = static_cast<to::TextureLevels>(levels);
+    wide.level_filter = static_cast<to::TextureFilter>(level_filter);
     return wide;
 }
 

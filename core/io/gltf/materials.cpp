@@ -264,6 +264,25 @@ class MaterialConverter {
                                                              : TextureWrap::repeat;
     }
 
+    // Without a word of the file the levels are blended.
+    static void set_levels(int mode, Texture& out) {
+        switch (mode) {
+            case TINYGLTF_TEXTURE_FILTER_NEAREST:
+            case TINYGLTF_TEXTURE_FILTER_LINEAR:
+                out.levels = TextureLevels::none;
+                break;
+            case TINYGLTF_TEXTURE_FILTER_NEAREST_MIPMAP_NEAREST:
+            case TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_NEAREST:
+                out.levels = TextureLevels::nearest;
+                break;
+            default:
+                break;
+        }
+        if (mode == TINYGLTF_TEXTURE_FILTER_NEAREST_MIPMAP_NEAREST ||
+            mode == TINYGLTF_TEXTURE_FILTER_NEAREST_MIPMAP_LINEAR)
+            out.level_filter = TextureFilter::nearest;
+    }
+
     uint32_t scene_texture(uint32_t index) {
         uint32_t& mapped = texture_map_[index];
         if (mapped != kNoTexture) return mapped;
@@ -282,6 +301,7 @@ class MaterialConverter {
             out.wrap_v = wrap_of(sampler.wrapT);
             if (sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST)
                 out.filter = TextureFilter::nearest;
+            set_levels(sampler.minFilter, out);
         }
         mapped = static_cast<uint32_t>(loading_.desc.textures.size());
         loading_.desc.textures.push_back(out);
