@@ -48,15 +48,11 @@ class Contender {
         std::stop_source stop;
         const std::stop_callback pass_on(asked, [&stop] { stop.request_stop(); });
         TileCounts counts;
-        moments_ += view_.moves() ? samples - film_.min_samples() : 0;
         render_pass(view_, settings_, samples, film_, pool, stop, {}, counts);
     }
     const Film& film() const { return film_; }
     const PreparedView& view() const { return view_.view(); }
-    // To get from one moment to another; 0 where nothing moves.
-    double seconds_a_moment() const {
-        return moments_ > 0 ? view_.seconds() / static_cast<double>(moments_) : 0;
-    }
+    double seconds_a_moment() const { return view_.least_seconds(); }
 
     Film half;
 
@@ -64,7 +60,6 @@ class Contender {
     ViewMoments view_;
     RenderSettings settings_;
     Film film_;
-    uint64_t moments_ = 0;
 };
 
 double share_percent(double with, double without) {

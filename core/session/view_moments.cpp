@@ -1,5 +1,6 @@
 #include "core/session/view_moments.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "core/base/log.h"
@@ -34,7 +35,10 @@ const PreparedView* ViewMoments::at(uint64_t index, const RenderSettings& settin
     }
     moment_ = prepare_view(scene, camera_at(view_.camera, motion, *scene), settings, pool, &last);
     at_ = seconds;
-    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double taken =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    seconds_ += taken;
+    least_seconds_ = least_seconds_ > 0 ? std::min(least_seconds_, taken) : taken;
     return &moment_;
 }
 

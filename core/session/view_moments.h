@@ -26,14 +26,17 @@ class ViewMoments {
     const PreparedView* at(uint64_t index, const RenderSettings& settings, WorkerPool& pool,
                            const std::stop_token& stop = {});
 
-    // Seconds by the clock that at() has taken.
+    // Seconds by the clock that at() has taken to get from moment to moment, and the least that it
+    // took once, which other work on the machine hardly touches; 0 where nothing moved.
     double seconds() const { return seconds_; }
+    double least_seconds() const { return least_seconds_; }
 
   private:
     PreparedView view_;
     PreparedView moment_;  // of the last call
     double at_ = 0;        // its seconds, where it is set
     double seconds_ = 0;
+    double least_seconds_ = 0;
     bool warned_ = false;
 };
 
