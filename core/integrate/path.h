@@ -12,6 +12,7 @@
 #include "core/integrate/path_state.h"
 #include "core/integrate/pixel_filter.h"
 #include "core/integrate/sampler.h"
+#include "core/integrate/tiers.h"
 #include "core/scattering/bsdf.h"
 #include "core/scattering/dispersion.h"
 #include "core/scattering/henyey_greenstein.h"
@@ -21,11 +22,39 @@ namespace talbot {
 // The first vertex at which Russian roulette may end a path.
 inline constexpr uint32_t kRouletteStart = 4;
 
-// Light leaves a thick body that absorbs nothing after n events about as n^-1.5: after the first of
-// these many a path survives to event n with a chance as n^-0.5, which keeps both the time and the
-// variance small; after the second it soon ends, so that none goes on for ever.
-inline constexpr uint32_t kLongWalk = 256;
-inline constexpr uint32_t kEndlessWalk = 16384;
+struct PathSample {
+    Rgb Li{0};
+    bool covered = false;  // the camera path met a surface
+    uint32_t rays = 0;
+};
+
+// Steps that a replay writes down; a kernel's recorder does nothing and costs nothing. One that
+// tampers changes values on their way, to prove that what is wrong with a sample is noticed.
+struct NoRecorder {
+    static constexpr bool kActive = false;
+    static constexpr bool kTampers = false;
+};
+
+// Values of a path that a tampering recorder is shown.
+enum class PathValue : uint8_t {
+    environment,
+    environment_pdf,
+    emission,
+    emission_pdf,
+    transmittance,
+    base_color,
+    light,
+    light_pdf,
+    bsdf_value,
+    bsdf_pdf,
+    bsdf_weight,
+    bsdf_sample_pdf,
+};
+
+template <typename Recorder, typename T>
+void show_value(Recorder& recorder, PathValue what, T& value) {
+    if constexpr (Recorder::kTampers) recorder.tamper(what, value);
+}
 
 // What a material is read with at a hit: in kernels with ray cones, their footprint there.
 template <EffectSet kTier>
@@ -45,21 +74,33 @@ inline constexpr bool kHasVolumes =
 template <EffectSet kTier>
 inline constexpr bool kHasAlpha = kTier.has(Effect::alpha_mask) || kTier.has(Effect::alpha_blend);
 
-// Closest hit as this kind of ray sees the scene.
+// Whether the nearest hit is one; else the nearest that is. Out of line, so that hits without a
+// question keep their registers.
+template <EffectSet kTier>
+[[gnu::noinline]] bool ask_coverage(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
+                                    const Ray& ray, Hit& hit) {
+    const CoverageContext context{&rs, sampler.coverage_seed(bounce, 0), bounce == 0};
+    if (accept_coverage<kTier>(&context, ray, hit)) return true;
+    hit = Hit{};
+    return rs.scene().accel().closest(ray, hit, HitFilter{&accept_coverage<kTier>, &context});
+}
+
+// Closest hit as this kind of ray sees the scene. Most hits need no question: the filter is asked
+// of the nearest one, and traversal runs again with it only where that one is no hit.
 template <EffectSet kTier>
 bool intersect(const RenderScene& rs, const Sampler& sampler, uint32_t bounce, const Ray& ray,
                Hit& hit) {
     constexpr uint8_t kAlpha = kHasAlpha<kTier> ? kCoverageAlpha : 0;
     constexpr uint8_t kSide = kTier.has(Effect::single_sided) ? kCoverageSingleSided : 0;
-    const uint8_t relevant = rs.any_coverage() & (bounce == 0 ? kAlpha | kSide : kAlpha);
-    // Most hits need no question: the filter is asked of the nearest one, and traversal runs again
-    // with it only where that one is no hit.
     if (!rs.scene().accel().closest(ray, hit)) return false;
-    if ((rs.coverage_flags(hit.id) & relevant) == 0) return true;
-    const CoverageContext context{&rs, sampler.coverage_seed(bounce, 0), bounce == 0};
-    if (accept_coverage<kTier>(&context, ray, hit)) return true;
-    hit = Hit{};
-    return rs.scene().accel().closest(ray, hit, HitFilter{&accept_coverage<kTier>, &context});
+    if constexpr ((kAlpha | kSide) != 0) {
+        if (kAlpha != 0 || bounce == 0) {
+            const uint8_t relevant = rs.any_coverage() & (bounce == 0 ? kAlpha | kSide : kAlpha);
+            if (relevant != 0 && (rs.coverage_flags(hit.id) & relevant) != 0)
+                return ask_coverage<kTier>(rs, sampler, bounce, ray, hit);
+        }
+    }
+    return true;
 }
 
 template <EffectSet kTier>
@@ -123,11 +164,12 @@ void add_emission(const RenderScene& rs, const PathSettings& settings, const Ray
     path.Li += path.beta * weight * Le;
 }
 
-// Next-event estimation: one light, one shadow ray.
+// Next-event estimation: one light, one shadow ray. `crossing` is null where both sides of the
+// surface lie in the same volume.
 template <EffectSet kTier, EffectSet kSurface, typename Recorder>
 void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
                       const Bounce& numbers, const SurfaceInteraction& si, Vec3f n_lit,
-                      const Bsdf<kSurface>& bsdf, const Crossing& crossing, PathState& path,
+                      const Bsdf<kSurface>& bsdf, const Crossing* crossing, PathState& path,
                       uint32_t& rays, Recorder& recorder) {
     std::optional<LightSample> light = rs.lights().sample(rs.scene(), si.lit_point(), n_lit,
                                                           numbers.light_choice(), numbers.light());
@@ -148,9 +190,9 @@ void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bo
     if constexpr (kHasVolumes<kTier>) {
         // A light inside a volume; from outside of all the boundary itself is in the way.
         if (!light->infinite) {
-            const bool crosses = (dot(light->wi, si.n_geometric) > 0) != si.front;
+            const bool crosses = crossing && (dot(light->wi, si.n_geometric) > 0) != si.front;
             const Rgb sigma = crosses
-                                  ? medium_inside(crossing.after, rs.scene().materials()).sigma_t
+                                  ? medium_inside(crossing->after, rs.scene().materials()).sigma_t
                                   : path.medium.sigma_t;
             if (!is_black(sigma)) through = transmittance(sigma, length(light->target - si.p));
         }
@@ -268,9 +310,8 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
     SurfaceInteraction si = make_surface_interaction<kShading>(rs.scene(), ray, hit);
     const Material& material = rs.scene().materials()[si.material];
     if constexpr (has_cones(kTier)) path.cone.advance(hit.t);
-    Crossing crossing;
+    std::optional<Crossing> crossing;  // where it bounds a volume
     if constexpr (kHasVolumes<kTier>) {
-        crossing.after = path.media;
         if (!path.medium.scatters() && !is_black(path.medium.sigma_t)) {
             Rgb left = transmittance(path.medium.sigma_t, hit.t);
             show_value(recorder, PathValue::transmittance, left);
@@ -280,9 +321,9 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
     if constexpr (kHasVolumes<kSurface>) {
         if (material.is_volume()) {
             crossing = cross_boundary(path.media, rs.scene().materials(), si.material, si.front);
-            if (!crossing.real) {
+            if (!crossing->real) {
                 // Light sampling does not see through: what lies behind is left to this path.
-                path.enter(crossing.after, rs.scene().materials());
+                path.enter(crossing->after, rs.scene().materials());
                 path.specular = true;
                 ++path.false_boundaries;
                 ray = si.spawn(ray.d);
@@ -319,9 +360,9 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
             disperse(sampler, material, params, path);
     }
     if constexpr (kHasVolumes<kSurface>) {
-        if (crossing.other != kVacuum)
+        if (crossing && crossing->other != kVacuum)
             params.ior =
-                relative_ior(params.ior, rs.scene().materials()[crossing.other], path.wavelength);
+                relative_ior(params.ior, rs.scene().materials()[crossing->other], path.wavelength);
     }
     const float side = si.front ? 1.0f : -1.0f;
     Frame frame = si.shading;
@@ -336,8 +377,8 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
     const Bounce numbers = sampler.bounce(bounce);
     const Vec3f n_lit = lit_through ? Vec3f(0) : n_surface;
     if (settings.next_event_estimation && bsdf.has_smooth_lobe() && rs.lights().can_sample()) {
-        add_direct_light<kTier>(rs, sampler, bounce, numbers, si, n_lit, bsdf, crossing, path, rays,
-                                recorder);
+        add_direct_light<kTier>(rs, sampler, bounce, numbers, si, n_lit, bsdf,
+                                crossing ? &*crossing : nullptr, path, rays, recorder);
     }
 
     // Where the path goes on.
@@ -366,8 +407,8 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
     path.n_from = n_lit;
     if constexpr (kHasVolumes<kSurface>) {
         path.eta_scale *= scattered->eta * scattered->eta;
-        if (scattered->transmitted && !params.thin)
-            path.enter(crossing.after, rs.scene().materials());
+        if (crossing && scattered->transmitted && !params.thin)
+            path.enter(crossing->after, rs.scene().materials());
     }
 
     if (settings.russian_roulette && bounce >= kRouletteStart) {

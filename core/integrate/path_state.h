@@ -1,46 +1,12 @@
-// State of one path, what a sample of it gives, and the hooks of those who watch.
+// What a path carries from vertex to vertex.
 #pragma once
 
 #include "core/integrate/medium_stack.h"
-#include "core/integrate/tiers.h"
 #include "core/math/ray_cone.h"
+#include "core/math/vec.h"
 #include "core/scattering/medium.h"
 
 namespace talbot {
-
-struct PathSample {
-    Rgb Li{0};
-    bool covered = false;  // the camera path met a surface
-    uint32_t rays = 0;
-};
-
-// Steps that a replay writes down; a kernel's recorder does nothing and costs nothing. One that
-// tampers changes values on their way, to prove that what is wrong with a sample is noticed.
-struct NoRecorder {
-    static constexpr bool kActive = false;
-    static constexpr bool kTampers = false;
-};
-
-// Values of a path that a tampering recorder is shown.
-enum class PathValue : uint8_t {
-    environment,
-    environment_pdf,
-    emission,
-    emission_pdf,
-    transmittance,
-    base_color,
-    light,
-    light_pdf,
-    bsdf_value,
-    bsdf_pdf,
-    bsdf_weight,
-    bsdf_sample_pdf,
-};
-
-template <typename Recorder, typename T>
-void show_value(Recorder& recorder, PathValue what, T& value) {
-    if constexpr (Recorder::kTampers) recorder.tamper(what, value);
-}
 
 // What fills the space inside these volumes.
 inline Medium medium_inside(const MediumStack& media, std::span<const Material> materials) {
@@ -64,7 +30,7 @@ struct PathState {
     Medium medium;                  // of the one that fills the space
     uint32_t false_boundaries = 0;  // crossed ones that were no surfaces
     uint32_t medium_events = 0;     // times that the path scattered inside media
-    RayCone cone;                   // of `ray` at its origin; in kernels with ray cones alone, the
+    RayCone cone;                   // at the ray's origin; in kernels with ray cones alone, the
                                     // others do not even clear it
 
     // Goes on inside other volumes than before.
@@ -73,5 +39,11 @@ struct PathState {
         medium = medium_inside(now, materials);
     }
 };
+
+// Light leaves a thick body that absorbs nothing after n events about as n^-1.5: after the first of
+// these many a path survives to event n with a chance as n^-0.5, which keeps both the time and the
+// variance small; after the second it soon ends, so that none goes on for ever.
+inline constexpr uint32_t kLongWalk = 256;
+inline constexpr uint32_t kEndlessWalk = 16384;
 
 }  // namespace talbot
