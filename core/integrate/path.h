@@ -56,17 +56,6 @@ void show_value(Recorder& recorder, PathValue what, T& value) {
     if constexpr (Recorder::kTampers) recorder.tamper(what, value);
 }
 
-// What a material is read with at a hit: in kernels with ray cones, their footprint there.
-template <EffectSet kTier>
-auto footprint_at(const RenderScene& rs, const SurfaceInteraction& si, const Ray& ray,
-                  const PathState& path) {
-    if constexpr (has_cones(kTier) && needs_uv(kTier)) {
-        return texture_footprint(rs.scene(), rs.pyramids(), si, ray.d, path.cone);
-    } else {
-        return Unfiltered{};
-    }
-}
-
 template <EffectSet kTier>
 inline constexpr bool kHasVolumes =
     kTier.has(Effect::transmission) || kTier.has(Effect::diffuse_transmission);
@@ -337,7 +326,7 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
             if (path.specular_chain) {
                 path.Li += path.beta * Rgb(eval_base_color<kShading>(
                                            rs.scene(), material, si,
-                                           footprint_at<kSurface>(rs, si, ray, path)));
+                                           footprint_at<kSurface>(rs, si, ray.d, path.cone)));
             }
             if constexpr (Recorder::kActive) recorder.seen(bounce, path);
             return false;
@@ -350,7 +339,7 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
     if (depth == settings.max_depth) return false;
 
     // The surface: everything below sees it from wo's side.
-    const auto footprint = footprint_at<kSurface>(rs, si, ray, path);
+    const auto footprint = footprint_at<kSurface>(rs, si, ray.d, path.cone);
     apply_normal_map<kShading>(rs.scene(), material, si, footprint);
     ShadingParams params = eval_shading_params<kShading>(rs.scene(), material, si, footprint);
     show_value(recorder, PathValue::base_color, params.base_color);

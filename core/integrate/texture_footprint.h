@@ -6,6 +6,7 @@
 
 #include "core/integrate/render_scene.h"
 #include "core/integrate/surface_interaction.h"
+#include "core/integrate/tiers.h"
 #include "core/math/ray_cone.h"
 #include "core/scene/texture_pyramid.h"
 
@@ -83,6 +84,17 @@ inline TextureFootprint texture_footprint(const Scene& scene, const TexturePyram
             detail::log2_area(std::abs(d1.x * d2.y - d1.y * d2.x) / area, covered);
     }
     return footprint;
+}
+
+// What a material is read with at a hit: in kernels with ray cones, their footprint there.
+template <EffectSet kTier>
+auto footprint_at(const RenderScene& rs, const SurfaceInteraction& si, const Vec3f& d,
+                  const RayCone& cone) {
+    if constexpr (has_cones(kTier) && needs_uv(kTier)) {
+        return texture_footprint(rs.scene(), rs.pyramids(), si, d, cone);
+    } else {
+        return Unfiltered{};
+    }
 }
 
 // The level at which a texture is looked up: half the logarithm of the number of its texels that
