@@ -56,6 +56,7 @@ std::string sample_settings(const Scene& scene, const Camera& camera,
     text.whole("environment_sampling", static_cast<uint64_t>(settings.environment_sampling));
     text.whole("roulette", settings.russian_roulette);
     text.whole("nee", settings.next_event_estimation);
+    if (settings.adaptive) text.whole("adaptive", 1);
     if (settings.forced_off != EffectSet{})
         text.word("effects_off", effect_names(settings.forced_off));
     text.whole("camera.kind", static_cast<uint64_t>(camera.kind));
@@ -133,7 +134,7 @@ Status check_resume(const Options& options, const FilmFile& film, const SceneSet
         return refuse("was rendered with other settings (" + first_difference(m.settings, wanted) +
                       "); use those of the first run");
     }
-    const uint64_t passes = film.film.min_samples();
+    const uint64_t passes = film.passes();
     if (options.frames && *options.frames < passes) {
         return refuse("already has " + std::to_string(passes) +
                       " passes; --frames counts from the first of all");

@@ -105,6 +105,10 @@ Status convert_whole_numbers(const RawOptions& raw, Options& o) {
             set_whole(raw.first_sample, "--first-sample", kMostSamples, o.render.first_sample);
         !s)
         return s;
+    if (o.render.adaptive && o.render.first_sample > 0) {
+        return usage_error("--adaptive",
+                           "cannot be used for a part of a render; leave out --first-sample");
+    }
     if (Status s = set_whole(raw.sample, "--sample", kMostSamples, o.sample); !s) return s;
     if (Status s = set_whole(raw.threads, "--threads", 1024, o.threads); !s) return s;
     if (Status s = set_whole(raw.max_depth, "--max-depth", 1 << 20, o.render.max_depth); !s)
@@ -188,6 +192,8 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
     app.add_flag("--no-roulette", raw.no_roulette,
                  "follow every path to its end or to --max-depth");
     app.add_flag("--no-nee", raw.no_nee, "no next-event estimation: find lights by chance only");
+    app.add_flag("--adaptive", o.render.adaptive,
+                 "more samples where the noise is, by blocks of 8x8 pixels");
     app.add_option("--tile-size", raw.tile_size, "pixels a side of a work tile; changes no pixel");
     app.add_option("--effects", raw.effects,
                    "auto, all, or a list of effects to force on, or with -NAME off");

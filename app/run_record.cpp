@@ -132,6 +132,7 @@ std::string run_record_json(const RunRecord& record) {
                 &EnvironmentSamplingInfo::kind);
     j["filter"] = name_in(kFilters, s.settings.filter, &FilterInfo::kind);
     j["threads"] = record.threads;
+    j["adaptive"] = s.settings.adaptive;
     j["passes"] = s.passes;
     j["samples"] = s.samples;
     j["rays"] = s.rays;

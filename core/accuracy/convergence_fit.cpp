@@ -40,7 +40,7 @@ PowerLaw fit_power(std::span<const Point> points) {
     constexpr double kMostExponent = 3;
     // The law is sure at 1 only, where all samples are independent; a slope far beyond that of edges
     // is one of smooth light, of which no picture has nothing but.
-    constexpr double kDoubtOfLaw = 0.12, kDoubtOfSmooth = 0.5, kRough = 1.7;
+    constexpr double kDoubtOfLaw = 0.08, kDoubtOfSmooth = 0.55, kRough = 1.65;
     if (points.size() == 1) return {kAlone, kAloneSd};
     double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;
     for (const Point& p : points) {
@@ -105,6 +105,31 @@ double law_and_denominator_sd(std::span<const Octave> octaves) {
     return std::hypot(doubt, gain > 0 ? kDoubtOfWeights * std::log(gain) : kDoubtOfUnknown);
 }
 
+// The last octaves, newest first. Where blocks rested, an older difference is that of the newer one
+// times the ratio in the blocks that did not (a chain index), for a block at rest says nothing of
+// the slope.
+std::vector<Point> points_of(std::span<const Octave> octaves) {
+    constexpr double kLeastActive = 0.05;
+    std::vector<Point> points;
+    double scale = 1;
+    for (std::size_t i = octaves.size(); i-- > 0 && points.size() < kOctavesUsed;) {
+        const Octave& o = octaves[i];
+        if (!(o.difference > 0)) break;
+        const double age = static_cast<double>(points.size());
+        const double drift = kDriftPerOctave * std::max(0.0, age - 1);
+        const double own = std::max(o.standard_error / o.difference, kLeastRelativeError);
+        const double samples = static_cast<double>(octaves.back().samples);
+        points.push_back({static_cast<double>(o.samples) / samples, scale * o.difference,
+                          std::hypot(own, drift)});
+        if (i == 0 || o.active_share >= 1) continue;
+        const double resting = (1 - o.active_share) * o.difference;
+        const double before = octaves[i - 1].difference - resting;
+        if (o.active_share < kLeastActive || !(before > 0)) break;
+        scale *= before / (o.active_share * octaves[i - 1].difference);
+    }
+    return points;
+}
+
 }  // namespace
 
 double ConvergenceFit::smooth(double n) const {
@@ -154,16 +179,7 @@ ConvergenceFit fit_convergence(std::span<const Octave> octaves) {
     if (octaves.empty()) return fit;
     fit.samples = static_cast<double>(octaves.back().samples);
     fit.terms[0] = {1, 1};
-    std::vector<Point> points;  // newest first
-    for (std::size_t i = octaves.size(); i-- > 0 && points.size() < kOctavesUsed;) {
-        const Octave& o = octaves[i];
-        if (!(o.difference > 0)) break;
-        const double age = static_cast<double>(points.size());
-        const double drift = kDriftPerOctave * std::max(0.0, age - 1);
-        const double own = std::max(o.standard_error / o.difference, kLeastRelativeError);
-        points.push_back(
-            {static_cast<double>(o.samples) / fit.samples, o.difference, std::hypot(own, drift)});
-    }
+    const std::vector<Point> points = points_of(octaves);
     if (points.empty()) return fit;
 
     const PowerLaw law = fit_power(points);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <stop_token>
 
+#include "core/accuracy/sampling_plan.h"
 #include "core/base/worker_pool.h"
 #include "core/film/film.h"
 #include "core/integrate/kernel.h"
@@ -16,7 +17,8 @@ struct RenderPass {
     const Camera& camera;
     const RenderSettings& settings;
     std::size_t tier = 0;
-    uint64_t target_samples = 0;  // every pixel is brought up to this count
+    uint64_t target_samples = 0;  // every pixel is brought up to this count,
+    const SamplingPlan* plan = nullptr;  // or, with a plan, to what its block has after so many passes
 };
 
 // Adds to `counts`; returns whether every tile was finished. `out_of_time`, where given, is asked
