@@ -95,6 +95,10 @@ Status check_same_view(const Options& base, const Options& side, const std::stri
         return usage_error(option,
                            "takes settings of a render only (--max-depth, --sampler, --no-nee, "
                            "--effects, ...); scene, view and size hold for both sides");
+    if (side.render.adaptive)
+        return usage_error(option,
+                           "--adaptive begins at 32 samples and these renders are shorter; use "
+                           "talbot accuracy --sweep adaptive=on");
     return Done{};
 }
 

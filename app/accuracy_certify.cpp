@@ -24,10 +24,10 @@ using nlohmann::ordered_json;
 struct CertifyOptions {
     std::vector<std::string> scenes;
     uint64_t seeds = 20;
-    uint64_t from = 8;
-    uint64_t to = 256;
+    uint64_t from = 4;
+    uint64_t to = 128;
     uint64_t reference_factor = 64;
-    uint64_t pixels = 5184;
+    uint64_t pixels = 2304;
     unsigned threads = 0;
     uint64_t stop_to = 0;
     std::string environment, cache, json, list;
@@ -41,13 +41,13 @@ Result<std::optional<CertifyOptions>> parse_certify(std::span<const std::string>
                  "talbot accuracy certify");
     app.add_option("SCENE", o.scenes, "glTF scenes; without any, the built-in ones");
     app.add_option("--seeds", o.seeds, "renders of every scene (20)");
-    app.add_option("--from", o.from, "first milestone in samples a pixel, a power of two (8)");
-    app.add_option("--to", o.to, "last milestone, a power of two (256)");
+    app.add_option("--from", o.from, "first milestone in samples a pixel, a power of two (4)");
+    app.add_option("--to", o.to, "last milestone, a power of two (128)");
     app.add_option("--reference-factor", o.reference_factor,
                    "samples of the reference over those of the last milestone (64)");
-    app.add_option("--pixels", o.pixels, "about so many pixels an image (5184)");
+    app.add_option("--pixels", o.pixels, "about so many pixels an image (2304), where a list gives no --size");
     app.add_option("--stop-to", o.stop_to,
-                   "samples up to which every fifth render goes on for the stop rule (--to)");
+                   "samples up to which every fifth render goes on for the stop rule (4 times --to)");
     app.add_option("--list", o.list,
                    "text file: on each line a scene and options of a render, for all of which the "
                    "promises must hold");
@@ -55,7 +55,7 @@ Result<std::optional<CertifyOptions>> parse_certify(std::span<const std::string>
     app.add_option("--cache", o.cache, "existing folder that keeps the references as raw films");
     app.add_option("--json", o.json, "write all claims as JSON; - is the standard output");
     app.add_option("--threads", o.threads, "worker threads; default all cores");
-    app.add_flag("--quick", o.quick, "4 seeds up to 64 samples of 2304 pixels");
+    app.add_flag("--quick", o.quick, "4 seeds up to 64 samples of 1024 pixels: minutes");
     try {
         app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
     } catch (const CLI::Success& success) {
@@ -69,7 +69,7 @@ Result<std::optional<CertifyOptions>> parse_certify(std::span<const std::string>
     if (o.quick) {
         o.seeds = 4;
         o.to = 64;
-        o.pixels = 2304;
+        o.pixels = 1024;
     }
     if (o.seeds == 0 || o.seeds > 100000)
         return usage_error("accuracy certify", "--seeds must lie between 1 and 100000");
@@ -78,7 +78,7 @@ Result<std::optional<CertifyOptions>> parse_certify(std::span<const std::string>
         return usage_error(
             "accuracy certify",
             "--from and --to must be powers of two, from 2 to 1048576, in this order");
-    if (o.stop_to == 0) o.stop_to = o.to;
+    if (o.stop_to == 0) o.stop_to = std::min<uint64_t>(4 * o.to, 1u << 20);
     if (!std::has_single_bit(o.stop_to) || o.stop_to < o.to || o.stop_to > 1u << 20)
         return usage_error("accuracy certify",
                            "--stop-to must be a power of two, from --to to 1048576");
@@ -122,6 +122,7 @@ void print_header() {
     std::printf("%-26s %7s %9s %11s %7s %10s %9s %12s %11s %10s %7s %11s  %s\n", "scene", "claims",
                 "coverage", "est./truth", "width", "pred. band", "firm", "firm close", "by seconds",
                 "act./pred.", "stop", "brightness", "green/amber/red");
+    std::fflush(stdout);
 }
 
 std::string percent_or_dash(double share, std::size_t of) {
@@ -191,6 +192,7 @@ Result<std::vector<Options>> scenes_of(const CertifyOptions& options) {
 std::string words_of(const Options& o) {
     std::string name = scene_path(o).filename().string();
     if (!o.render.next_event_estimation) name += " no-nee";
+    if (o.render.adaptive) name += " adaptive";
     if (o.display.exposure_ev != 0) {
         char text[32];
         std::snprintf(text, sizeof(text), " %+.3g EV", static_cast<double>(o.display.exposure_ev));
@@ -226,7 +228,8 @@ Status certify(const CertifyOptions& options, bool& kept) {
         // References of the same scene with other settings are other files of the cache.
         if (!scene_options.render.next_event_estimation) scene->name += "-no-nee";
         RenderSettings settings = scene->setup.settings;
-        const Resolution size = scaled_size(scene->setup, options.pixels);
+        const Resolution size = scene_options.size ? *scene_options.size
+                                                   : scaled_size(scene->setup, options.pixels);
         settings.width = size.width;
         settings.height = size.height;
         const Result<Reference> reference = render_reference(

@@ -18,12 +18,14 @@ struct Milestone {
     ErrorEstimate error;
     double truth = 0;
     double cpu_seconds = 0;
+    uint64_t rays = 0;
+    double samples_a_pixel = 0;  // on the mean
 };
 
 // The first number of samples in (n, 2n) at which --target-error would stop, 0 if none.
 uint64_t stop_within(const ErrorTracker& tracker, uint64_t n, double target) {
     for (uint64_t m = n + 1; m < 2 * n; ++m) {
-        if (tracker.at(m, 0).hi95 <= target) return m;
+        if (tracker.at(m, 0).meets(target)) return m;
     }
     return 0;
 }
@@ -32,7 +34,7 @@ ordered_json octave_json(uint64_t seed, const Milestone& m, double by_reference)
     const ErrorEstimate& e = m.error;
     ordered_json octaves = ordered_json::array();
     for (const Octave& o : e.octaves)
-        octaves.push_back({o.samples, o.difference, o.standard_error, o.gain});
+        octaves.push_back({o.samples, o.difference, o.standard_error, o.gain, o.active_share});
     return {{"seed", seed},
             {"samples", e.samples},
             {"relrmse_percent", e.relrmse_percent},
@@ -48,6 +50,8 @@ ordered_json octave_json(uint64_t seed, const Milestone& m, double by_reference)
             {"top_share", e.top_share},
             {"tail_index", e.tail_index},
             {"energy_drift", e.energy_drift},
+            {"samples_a_pixel", m.samples_a_pixel},
+            {"rays", m.rays},
             {"cpu_seconds", m.cpu_seconds}};
 }
 
@@ -104,7 +108,7 @@ class StopRule {
         const ErrorTracker tracker = render.tracker();
         // From the loosest target on, which is met first.
         std::erase_if(open_, [&](double target) {
-            uint64_t stop = tracker.at(n, 0).hi95 <= target ? n : 0;
+            uint64_t stop = tracker.at(n, 0).meets(target) ? n : 0;
             if (stop == 0 && to_next) stop = stop_within(tracker, n, target);
             if (stop == 0) return false;
             // A target that is met before the first milestone says nothing about the rule.
@@ -144,7 +148,9 @@ void claim_seed(const AccuracyScene& scene, const RenderSettings& settings, cons
         render.render_until(n);
         const Milestone m{render.tracker().estimate(),
                           true_error_percent(render.film(), reference, exposure),
-                          render.cpu_seconds()};
+                          render.cpu_seconds(), render.rays(),
+                          static_cast<double>(render.film().total_samples()) /
+                              static_cast<double>(render.film().pixels().size())};
         if (n <= plan.to) {
             const ErrorEstimate& e = m.error;
             if (n >= plan.from) {

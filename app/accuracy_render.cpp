@@ -44,7 +44,7 @@ MeasuredRender::MeasuredRender(const AccuracyScene& scene, const RenderSettings&
       pool_(pool),
       view_(view_of(scene, settings, pool)),
       film_(settings.width, settings.height) {
-    tracker_.reset(scene.exposure_ev);
+    tracker_.reset(scene.exposure_ev, 0, settings.adaptive && !view_.moves());
 }
 
 void MeasuredRender::render_unobserved(uint64_t samples) {
@@ -54,7 +54,7 @@ void MeasuredRender::render_unobserved(uint64_t samples) {
     const double cpu_start = process_cpu_seconds();
     std::stop_source stop;
     TileCounts counts;
-    render_pass(view_, settings_, samples, film_, pool_, stop, {}, counts);
+    render_pass(view_, settings_, samples, &tracker_.plan(), film_, pool_, stop, {}, counts);
     seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
     cpu_seconds_ += process_cpu_seconds() - cpu_start;
     rays_ += counts.rays;
@@ -77,6 +77,7 @@ Result<Reference> render_reference(const AccuracyScene& scene, const RenderSetti
         RenderSettings own = settings;
         own.seed = kReferenceSeed + i;
         own.first_sample = 0;
+        own.adaptive = false;
         std::filesystem::path file;
         if (!cache.empty()) {
             file = std::filesystem::path(cache) /

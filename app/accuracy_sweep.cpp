@@ -63,6 +63,12 @@ std::string apply(const std::string& key, const std::string& value, SweepConfig&
     if (key == "tile-size") return whole(s.tile_size, 1);
     if (key == "roulette") return on_off(s.russian_roulette, "--no-roulette");
     if (key == "nee") return on_off(s.next_event_estimation, "--no-nee");
+    if (key == "adaptive") {
+        if (value != "on" && value != "off") return "'" + value + "' is not on or off";
+        s.adaptive = value == "on";
+        if (s.adaptive) config.flags = "--adaptive";
+        return "";
+    }
     config.flags = "--" + key + " " + value;
     if (constexpr std::string_view kPrefix = "effect."; key.starts_with(kPrefix)) {
         const std::optional<Effect> effect = effect_from_name(key.substr(kPrefix.size()));
@@ -107,7 +113,7 @@ std::string apply(const std::string& key, const std::string& value, SweepConfig&
     }
     return "the key '" + key +
            "' is not known; use max-depth, sampler, filter, texture-filter, lights, "
-           "environment-sampling, roulette, nee, effects, effect.NAME or tile-size";
+           "environment-sampling, roulette, nee, adaptive, effects, effect.NAME or tile-size";
 }
 
 std::vector<std::string> default_sweeps(const RenderSettings& base) {
@@ -321,7 +327,7 @@ Verification verify(const AccuracyScene& scene, const SweepResult& choice, doubl
         v.error = render.tracker().estimate();
         v.done = true;
         v.seconds = render.seconds();
-        if (v.error.hi95 <= own) {
+        if (v.error.meets(own)) {
             v.met = true;
             break;
         }

@@ -59,6 +59,7 @@ std::string sample_settings(const Scene& scene, const Camera& camera,
     text.whole("nee", settings.next_event_estimation);
     if (settings.texture_filter != TextureFiltering::none)
         text.whole("texture_filter", static_cast<uint64_t>(settings.texture_filter));
+    if (settings.adaptive) text.whole("adaptive", 1);
     if (settings.forced_off != EffectSet{})
         text.word("effects_off", effect_names(settings.forced_off));
     text.whole("camera.kind", static_cast<uint64_t>(camera.kind));
@@ -136,7 +137,7 @@ Status check_resume(const Options& options, const FilmFile& film, const SceneSet
         return refuse("was rendered with other settings (" + first_difference(m.settings, wanted) +
                       "); use those of the first run");
     }
-    const uint64_t passes = film.film.min_samples();
+    const uint64_t passes = film.passes();
     if (options.frames && *options.frames < passes) {
         return refuse("already has " + std::to_string(passes) +
                       " passes; --frames counts from the first of all");

@@ -213,7 +213,7 @@ SessionPolicy policy_of(const Options& options, Clock::time_point process_start)
 uint64_t pass_limit(const Options& options, const std::optional<FilmFile>& resumed) {
     if (options.frames) return *options.frames;
     if (options.time_seconds || options.target_error_percent) return 0;
-    return resumed ? std::max<uint64_t>(1, resumed->film.min_samples()) : 1;
+    return resumed ? std::max<uint64_t>(1, resumed->passes()) : 1;
 }
 
 // Renders to the end or a signal; true when interrupted.

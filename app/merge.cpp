@@ -88,7 +88,7 @@ Status write_output(const MergeOptions& options, const FilmFile& file) {
     if (!picture) return save_film(options.output, file.film, file.metadata, file.error);
     const ImageRgba image = file.film.image(file.metadata.transparent_background);
     const Metadata metadata{{"Software", "Talbot " TALBOT_VERSION},
-                            {"Samples", std::to_string(file.film.min_samples())},
+                            {"Samples", std::to_string(file.passes())},
                             {"Seed", std::to_string(file.metadata.seed)}};
     if (extension == ".exr") return save_exr(options.output, image, {}, metadata);
     if (extension == ".hdr") return save_hdr(options.output, image);
@@ -99,14 +99,14 @@ Status write_output(const MergeOptions& options, const FilmFile& file) {
 ordered_json summary(const MergeOptions& options, const FilmFile& file) {
     ErrorTracker tracker;
     tracker.restore(file.error);
-    const ErrorEstimate error = tracker.at(file.film.min_samples(), file.metadata.render_seconds);
+    const ErrorEstimate error = tracker.at(file.passes(), file.metadata.render_seconds);
     ordered_json j{
         {"schema", "talbot-merge/1"},
         {"output", options.output},
         {"parts", options.inputs.size()},
         {"size", {file.film.width(), file.film.height()}},
         {"first_sample", file.metadata.first_sample},
-        {"passes", file.film.min_samples()},
+        {"passes", file.passes()},
         {"samples", file.film.total_samples()},
         {"render_seconds", file.metadata.render_seconds},
         {"film_hash", file.film.hash()},

@@ -106,6 +106,10 @@ Status convert_whole_numbers(const RawOptions& raw, Options& o) {
             set_whole(raw.first_sample, "--first-sample", kMostSamples, o.render.first_sample);
         !s)
         return s;
+    if (o.render.adaptive && o.render.first_sample > 0) {
+        return usage_error("--adaptive",
+                           "cannot be used for a part of a render; leave out --first-sample");
+    }
     if (Status s = set_whole(raw.sample, "--sample", kMostSamples, o.sample); !s) return s;
     if (Status s = set_whole(raw.threads, "--threads", 1024, o.threads); !s) return s;
     if (Status s = set_whole(raw.max_depth, "--max-depth", 1 << 20, o.render.max_depth); !s)
@@ -194,6 +198,8 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
     app.add_flag("--no-roulette", raw.no_roulette,
                  "follow every path to its end or to --max-depth");
     app.add_flag("--no-nee", raw.no_nee, "no next-event estimation: find lights by chance only");
+    app.add_flag("--adaptive", o.render.adaptive,
+                 "more samples where the noise is, by blocks of 8x8 pixels");
     app.add_option("--tile-size", raw.tile_size, "pixels a side of a work tile; changes no pixel");
     app.add_option("--effects", raw.effects,
                    "auto, all, or a list of effects to force on, or with -NAME off");
@@ -278,6 +284,8 @@ Status convert_numbers(const RawOptions& raw, Options& o) {
     };
     if (!(o.shutter_seconds >= 0) || !std::isfinite(o.shutter_seconds))
         return usage_error("--shutter", "must be a number of seconds, 0 or more");
+    if (o.render.adaptive && o.shutter_seconds > 0)
+        return usage_error("--adaptive", "does not go with motion blur; leave out --shutter");
     if (!positive(o.time_seconds)) return usage_error("--time", "must be above 0 seconds");
     if (!positive(o.target_error_percent))
         return usage_error("--target-error", "must be above 0 per cent");

@@ -138,6 +138,7 @@ std::string run_record_json(const RunRecord& record) {
     j["texture_filter"] =
         name_in(kTextureFilterings, s.settings.texture_filter, &TextureFilteringInfo::kind);
     j["threads"] = record.threads;
+    j["adaptive"] = s.settings.adaptive;
     j["passes"] = s.passes;
     j["samples"] = s.samples;
     j["rays"] = s.rays;

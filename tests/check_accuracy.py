@@ -183,6 +183,28 @@ def check_ab(talbot, scene, folder):
     run(talbot, "accuracy", "ab", "/no/such/scene.glb", code=3)
 
 
+def check_adaptive(talbot, scene, folder):
+    """The same film over threads, tiles and a resumed run; no parts and no merging."""
+    def film_hash(*words):
+        report = str(folder / "adaptive.json")
+        run(talbot, scene, "--adaptive", "--size", "29x21", "--quiet", *words, "--report", report)
+        record = json.load(open(report))
+        check(record["adaptive"] is True, "adaptive: in the run record")
+        return record["film_hash"], record["samples"]
+    whole, samples = film_hash("--frames", "150", "--threads", "1")
+    check(samples < 150 * 29 * 21, f"adaptive: fewer samples: {samples}")
+    check(film_hash("--frames", "150", "--threads", "3", "--tile-size", "5")[0] == whole, "adaptive: threads and tiles")
+    for stop in ("20", "77", "128"):
+        part = str(folder / "adaptive.film")
+        film_hash("--frames", stop, "--film", part)
+        check(film_hash("--frames", "150", "--resume", part)[0] == whole, f"adaptive: resumed after {stop}")
+    refused = run(talbot, "merge", str(folder / "out.film"), part, part, code=3)
+    check("--adaptive" in refused.stderr and refused.stderr.count("\n") == 1, f"adaptive: merge: {refused.stderr}")
+    refused = run(talbot, scene, "--adaptive", "--first-sample", "8", code=2)
+    check(refused.stderr.count("\n") == 1, f"adaptive: a part: {refused.stderr}")
+    run(talbot, "accuracy", "ab", scene, "--b", "--adaptive", code=2)
+
+
 def check_list(talbot, scene, folder):
     """A list of scenes with options, and what is wrong with one."""
     listed = folder / "list.txt"
@@ -205,6 +227,7 @@ def main():
         folder = pathlib.Path(name)
         check_sweep(talbot, scene, folder)
         check_ab(talbot, scene, folder)
+        check_adaptive(talbot, scene, folder)
         words = [talbot, "accuracy", "certify", scene, "--seeds", "2", "--from", "16", "--to", "32", "--pixels", "256",
                  "--reference-factor", "16", "--cache", name, "--json", str(folder / "certify.json")]
         first = subprocess.run(words, capture_output=True, text=True, timeout=200)

@@ -276,6 +276,47 @@ TEST_F(FilmFileTest, ResumedIsUninterrupted) {
     }
 }
 
+TEST_F(FilmFileTest, APlanIsKeptAndNotMerged) {
+    const auto render = [](FilmFile file, uint64_t end) {
+        Picture picture(scene(), 24, true, 5);
+        ErrorTracker tracker;
+        uint64_t begin = 0;
+        if (file.film.pixels().empty()) {
+            file.metadata = metadata();
+            tracker.reset(0, 0, true);
+        } else {
+            begin = file.passes();
+            picture.film = file.film;
+            tracker.restore(file.error);
+        }
+        // All samples alike: what is kept of the plan is the matter here.
+        for (uint64_t n = begin + 1; n <= end; ++n) {
+            picture.samples = n - 1;
+            picture.render_until(n);
+            tracker.observe(picture.film, n, 1);
+        }
+        file.film = picture.film;
+        file.error = tracker.state();
+        return file;
+    };
+    const FilmFile single = render({}, 80);
+    const FilmFile first = render({}, 40);
+    ASSERT_FALSE(first.error.plan.empty());
+    ASSERT_TRUE(save_film(path("a"), first.film, first.metadata, first.error));
+    const FilmFile back = std::move(*load_film(path("a")));
+    EXPECT_EQ(back.passes(), 40u);
+    EXPECT_EQ(back.error.plan.octave, 32u);
+    EXPECT_EQ(back.error.plan.blocks, first.error.plan.blocks);
+    EXPECT_EQ(back.error.plan.noise, first.error.plan.noise);
+    const FilmFile resumed = render(back, 80);
+    EXPECT_EQ(resumed.error.plan.blocks, single.error.plan.blocks);
+    expect_same_estimate(resumed, single, 80);
+    FilmFile whole = first;
+    const Status status = append_film(whole, render_part(40, 48), "part.film");
+    ASSERT_FALSE(status);
+    EXPECT_NE(status.error().line().find("--adaptive"), std::string::npos);
+}
+
 TEST_F(FilmFileTest, PartsThatDoNotFitAreRefused) {
     const FilmFile first = render_part(0, 8);
     const FilmFile second = render_part(8, 12);

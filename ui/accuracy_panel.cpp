@@ -57,7 +57,7 @@ int percent_of_the_way(double spent, double left) {
 void draw_prediction(const ErrorEstimate& error, double seconds_now, double target) {
     begin_row("Time to target");
     const ErrorEstimate::Prediction prediction = error.seconds_to(target);
-    const bool reached = error.valid && error.hi95 <= target;
+    const bool reached = error.meets(target);
     std::string range = "-";
     int percent = reached ? 100 : 0;
     if (error.trust == Trust::red) {

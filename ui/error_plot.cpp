@@ -48,6 +48,7 @@ void draw_decades(ImDrawList& list, const LogAxis& x, const LogAxis& y) {
         }
         return true;
     };
+    float free_from = x.from_px - 9;  // where the label before ends
     for (int decade = static_cast<int>(x.lower); decade <= static_cast<int>(x.upper); ++decade) {
         const float px = x.at(std::pow(10.0, decade));
         list.AddLine(ImVec2(px, y.from_px), ImVec2(px, y.to_px), line);
@@ -55,6 +56,8 @@ void draw_decades(ImDrawList& list, const LogAxis& x, const LogAxis& y) {
         const float width = ImGui::CalcTextSize(label).x * 0.86f;
         const float left =
             std::clamp(px - 0.5f * width, x.from_px - 8, std::max(x.from_px - 8, x.to_px - width));
+        if (left < free_from) continue;
+        free_from = left + width + 0.5f * size;
         list.AddText(ImGui::GetFont(), size, ImVec2(left, y.from_px + 3), text, label);
     }
     for (int decade = static_cast<int>(y.lower); decade <= static_cast<int>(y.upper); ++decade) {

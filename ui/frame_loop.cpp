@@ -328,7 +328,7 @@ void FrameLoop::follow_target() {
     if (!model_.look.stop_at_target || model_.paused || !snapshot_ || snapshot_->preview) return;
     if (snapshot_->generation < generation_ || target_met_by_ == image_generation_) return;
     const ErrorEstimate& error = snapshot_->error;
-    if (!error.valid || error.hi95 > model_.look.target_error_percent) return;
+    if (!error.meets(model_.look.target_error_percent)) return;
     if (error.trust == Trust::red) return;
     target_met_by_ = image_generation_;
     model_.paused = true;

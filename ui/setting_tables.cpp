@@ -131,6 +131,12 @@ std::span<const Parameter<RenderSettings>> render_parameters() {
              .label = "Light sampling",
              .kind = Kind::flag,
              .note = "Next-event estimation with multiple importance sampling."}),
+        setting<&RenderSettings::adaptive>(
+            {.name = "adaptive",
+             .label = "Adaptive sampling",
+             .kind = Kind::flag,
+             .note = "More samples where the noise is, by blocks of 8x8 pixels. Counts are decided "
+                     "at powers of two; films made so cannot be merged."}),
         setting<&RenderSettings::transparent_background>(
             {.name = "transparent_background",
              .label = "Transparent background",

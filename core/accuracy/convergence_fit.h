@@ -16,6 +16,8 @@ struct Octave {
         0;  // relMSE-weighted D(2N) = mean squared difference of the images at 2N and N
     double standard_error = 0;  // of difference, from pixels
     double gain = 1;            // of difference, when the next octave gave better denominators
+    double active_share = 1;    // of difference, in blocks that did not rest in this octave
+    double top_share = 0;       // of difference, in the 0.1 % of pixels with the largest
 };
 
 struct ConvergenceFit {

@@ -30,12 +30,25 @@ constexpr double kAmberBrightnessSd = 0.005;
 // What a firm prediction may be off by, in nine cases of ten.
 constexpr double kFirmRatio = 1.25;
 constexpr double kNormal90 = 1.645;
+constexpr double kNormalBelow90 = 1.282;
 
 constexpr double kRateSd =
     0.03;  // of the logarithm of seconds per sample: other programs on the machine
 
 double percent(double relmse) {
     return 100 * std::sqrt(std::max(relmse, 0.0));
+}
+
+// The largest share of a few pixels in the last octaves: a light that turned green as soon as one
+// doubling shows no such pixel would choose the moments in which they happen to be missing.
+double lasting_top_share(const ErrorEstimate& e) {
+    constexpr std::size_t kOctavesToForget = 3;
+    double most = e.top_share;
+    for (std::size_t i = e.octaves.size() - std::min(kOctavesToForget, e.octaves.size());
+         i + 1 < e.octaves.size(); ++i) {
+        if (e.octaves[i].samples >= kTrustSamples) most = std::max(most, e.octaves[i].top_share);
+    }
+    return most;
 }
 
 void judge(ErrorEstimate& e) {
@@ -49,7 +62,7 @@ void judge(ErrorEstimate& e) {
     } else if (heavy || e.top_share > kRedTopShare) {
         e.trust = Trust::red;
         e.why = "unreliable: rare bright paths make most of the error";
-    } else if (e.top_share > kAmberTopShare) {
+    } else if (lasting_top_share(e) > kAmberTopShare) {
         e.trust = Trust::amber;
         e.why = "a few bright pixels make a large part of the error";
     } else if (e.samples < kTrustSamples) {
@@ -137,6 +150,12 @@ double metric_constant(double exposure_ev) {
     return kMetricConstant * std::exp2(-2 * exposure_ev);
 }
 
+bool ErrorEstimate::meets(double target_percent) const {
+    if (!valid || !(relrmse_percent > 0)) return valid && target_percent >= 0;
+    const double bound = std::pow(hi95 / relrmse_percent, kNormalBelow90 / kNormal95);
+    return relrmse_percent * bound <= target_percent;
+}
+
 ErrorEstimate::FutureError ErrorEstimate::error_after(double further_seconds) const {
     FutureError future;
     if (!valid || trust == Trust::red || !(seconds_per_sample > 0)) return future;
@@ -184,10 +203,12 @@ ErrorEstimate::Prediction ErrorEstimate::seconds_to(double target_percent) const
     return prediction;
 }
 
-void ErrorTracker::reset(float exposure_ev, uint64_t first_sample) {
+void ErrorTracker::reset(float exposure_ev, uint64_t first_sample, bool adaptive) {
     *this = ErrorTracker();
     state_.exposure_ev = exposure_ev;
     state_.first_sample = first_sample;
+    state_.adaptive = adaptive && first_sample == 0;
+    state_.plan_ev = exposure_ev;
 }
 
 void ErrorTracker::set_exposure(float exposure_ev, uint32_t width, WorkerPool* pool) {
@@ -206,6 +227,7 @@ void ErrorTracker::set_exposure(float exposure_ev, uint32_t width, WorkerPool* p
 void ErrorTracker::observe(const Film& film, uint64_t passes, double render_seconds,
                            WorkerPool* pool) {
     if (film.pixels().empty() || passes == 0) return;
+    state_.passes = passes;
     if (state_.first_sample > 0 && std::has_single_bit(state_.first_sample + passes)) {
         state_.marks.push_back({state_.first_sample + passes, render_seconds, film});
     }
@@ -214,10 +236,12 @@ void ErrorTracker::observe(const Film& film, uint64_t passes, double render_seco
         state_.half_samples * 2 == passes && state_.memory.image.size() == film.pixels().size();
     if (doubled) {
         state_.last = compare_octave(
-            film, state_.memory, metric_constant(static_cast<double>(state_.exposure_ev)), pool);
+            film, state_.memory, metric_constant(static_cast<double>(state_.exposure_ev)), pool,
+            state_.plan);
         weigh_anew(state_.octaves, state_.last);
         state_.octaves.push_back(
-            {passes, render_seconds, state_.last.difference, state_.last.standard_error});
+            {passes, render_seconds, state_.last.difference, state_.last.standard_error, 1,
+             state_.last.active_share, state_.last.top_share});
         state_.seconds_per_sample = std::max(0.0, render_seconds - state_.half_seconds) /
                                     static_cast<double>(passes - passes / 2);
     } else {
@@ -225,6 +249,10 @@ void ErrorTracker::observe(const Film& film, uint64_t passes, double render_seco
         state_.memory = {exact_image(film), {}};
         state_.octaves.clear();
         state_.last = OctaveStatistics();
+    }
+    if (state_.adaptive) {
+        state_.plan = next_plan(state_.plan, passes, state_.memory, film.width(),
+                                metric_constant(static_cast<double>(state_.plan_ev)), pool);
     }
     state_.half_samples = passes;
     state_.half_seconds = render_seconds;

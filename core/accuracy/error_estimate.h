@@ -56,6 +56,10 @@ struct ErrorEstimate {
         double lo95 = 0;
         double hi95 = 0;
     };
+    // Whether the error is below a target with a probability of nine in ten: where a render that
+    // was asked for it stops.
+    bool meets(double target_percent) const;
+
     // Further seconds of rendering to a target error, with a 95 % band; 0 when it is already met.
     Prediction seconds_to(double target_percent) const;
 
@@ -84,6 +88,10 @@ class ErrorTracker {
     struct State {
         float exposure_ev = 0;
         uint64_t first_sample = 0;
+        uint64_t passes = 0;      // at the last observe
+        bool adaptive = false;    // then blocks are sampled by `plan`,
+        float plan_ev = 0;        // decided after this exposure
+        SamplingPlan plan;
         uint64_t half_samples = 0;  // the last power of two
         double half_seconds = 0;
         double seconds_per_sample = 0;
@@ -95,8 +103,8 @@ class ErrorTracker {
 
     // Forgets everything. The metric is taken after an exposure in EV. With a first_sample the film
     // is one part of a render, and marks are kept, from which merging can compute the octaves of
-    // the whole.
-    void reset(float exposure_ev, uint64_t first_sample = 0);
+    // the whole. With `adaptive` the caller must sample by plan(); a part of a render never is.
+    void reset(float exposure_ev, uint64_t first_sample = 0, bool adaptive = false);
 
     // The metric of an image of this width from now on, and of all octaves so far, after another
     // exposure. What is known of the last octave is weighed again, a film scan; the older ones
@@ -116,6 +124,9 @@ class ErrorTracker {
 
     // Per 8x8 block: estimated relRMSE in per cent, row by row; empty before the first octave.
     const std::vector<float>& block_errors() const { return block_errors_; }
+
+    // How many samples the blocks get from the last octave to the next; empty: all alike.
+    const SamplingPlan& plan() const { return state_.plan; }
 
     const State& state() const { return state_; }
     void restore(State state);

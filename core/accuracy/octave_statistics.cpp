@@ -38,7 +38,9 @@ struct StripResult {
     double sum = 0;           // of the pixels' weighted squared differences
     double square_sum = 0;    // of their squares
     double previous_sum = 0;  // of the octave before, weighted with this one's r
+    double active_sum = 0;    // of `sum`, in blocks that did not rest
     double luminance_change = 0;
+    double active_luminance_square = 0;
     double luminance_square = 0;
     double luminance = 0;
     MagnitudeHistogram magnitudes;
@@ -106,6 +108,7 @@ struct PassImages {
     const FilmPixel* film = nullptr;
     const Vec3d* half = nullptr;
     const uint32_t* previous = nullptr;  // null where there is none
+    const SamplingPlan* plan = nullptr;  // null where no block rested
     Vec3d* full = nullptr;
     uint32_t* packed = nullptr;
 };
@@ -152,8 +155,16 @@ class StripPass {
         Vec3d mean{0};
         Rgb difference{0};
     };
+    bool rests(std::size_t i) const {
+        if (images_.plan == nullptr) return false;
+        const std::size_t x = i % images_.width, y = i / images_.width;
+        const std::size_t columns = (images_.width + kErrorBlock - 1) / kErrorBlock;
+        return images_.plan->rests(y / kErrorBlock * columns + x / kErrorBlock);
+    }
+
     Change change_of(std::size_t i) const {
         if (images_.film == nullptr) return {images_.full[i], unpack_difference(images_.packed[i])};
+        if (rests(i)) return {images_.half[i], unpack_difference(images_.previous[i])};
         const FilmPixel& p = images_.film[i];
         if (p.samples == 0) return {};
         const Vec3d mean = mean_of(p);
@@ -243,10 +254,16 @@ class StripPass {
             result.magnitudes.add(q);
             blocks[y / kErrorBlock * columns + x / kErrorBlock] += q;
             if (images_.film == nullptr) continue;
-            const double change = static_cast<double>(
-                luminance(Rgb(images_.full[start + x] - images_.half[start + x])));
-            result.luminance_change += change;
+            const bool resting = rests(start + x);
+            const double change = static_cast<double>(luminance(
+                resting ? unpack_difference(images_.packed[start + x])
+                        : Rgb(images_.full[start + x] - images_.half[start + x])));
             result.luminance_square += change * change;
+            if (!resting) {
+                result.active_sum += wide;
+                result.luminance_change += change;
+                result.active_luminance_square += change * change;
+            }
             result.luminance += static_cast<double>(luminance(Rgb(images_.full[start + x])));
         }
     }
@@ -297,7 +314,9 @@ OctaveStatistics run_passes(const PassImages& images, double metric_constant, Wo
         total.sum += r.sum;
         total.previous_sum += r.previous_sum;
         total.square_sum += r.square_sum;
+        total.active_sum += r.active_sum;
         total.luminance_change += r.luminance_change;
+        total.active_luminance_square += r.active_luminance_square;
         total.luminance_square += r.luminance_square;
         total.luminance += r.luminance;
         for (std::size_t i = 0; i < r.magnitudes.count.size(); ++i) {
@@ -315,10 +334,14 @@ OctaveStatistics run_passes(const PassImages& images, double metric_constant, Wo
     statistics.top_share = top_share(total.magnitudes, total.sum, pixels);
     if (total.luminance_square > 0) {
         const double spread = std::sqrt(total.luminance_square);
-        statistics.energy_drift = total.luminance_change / spread;
+        if (total.active_luminance_square > 0)
+            statistics.energy_drift =
+                total.luminance_change / std::sqrt(total.active_luminance_square);
         // A half differs from the whole by as much as the whole errs, or by more.
         if (total.luminance > 0) statistics.brightness_sd = spread / total.luminance;
     }
+    if (images.plan != nullptr && total.sum > 0)
+        statistics.active_share = total.active_sum / total.sum;
     statistics.tail_index = pareto_tail_index(statistics.blocks);
     for (std::size_t by = 0; by < rows; ++by) {
         for (std::size_t bx = 0; bx < columns; ++bx) {
@@ -341,7 +364,7 @@ std::vector<Vec3d> exact_image(const Film& film) {
 }
 
 OctaveStatistics compare_octave(const Film& film, OctaveMemory& memory, double metric_constant,
-                                WorkerPool* pool) {
+                                WorkerPool* pool, const SamplingPlan& plan) {
     const std::size_t pixels = film.pixels().size();
     TALBOT_CHECK(memory.image.size() == pixels);
     TALBOT_CHECK(memory.difference.empty() || memory.difference.size() == pixels);
@@ -353,6 +376,7 @@ OctaveStatistics compare_octave(const Film& film, OctaveMemory& memory, double m
     images.film = film.pixels().data();
     images.half = memory.image.data();
     images.previous = memory.difference.empty() ? nullptr : memory.difference.data();
+    images.plan = plan.empty() || memory.difference.empty() ? nullptr : &plan;
     images.full = now.image.data();
     images.packed = now.difference.data();
     const OctaveStatistics statistics = run_passes(images, metric_constant, pool);

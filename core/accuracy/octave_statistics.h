@@ -6,12 +6,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/accuracy/sampling_plan.h"
 #include "core/base/worker_pool.h"
 #include "core/film/film.h"
 
 namespace talbot {
-
-inline constexpr uint32_t kErrorBlock = 8;  // side of a block in pixels
 
 struct OctaveStatistics {
     double difference = 0;  // mean over pixels and channels of d^2 / (r^2 + constant)
@@ -22,6 +21,7 @@ struct OctaveStatistics {
     double top_share = 0;       // of the difference, held by the 0.1 % of pixels with the largest
     double tail_index =
         0;  // Pareto index k of the largest block sums; above 0.7 their mean is not to be trusted
+    double active_share = 1;    // of the difference, in blocks that did not rest in this octave
     double energy_drift = 0;    // change of the image's mean luminance in standard deviations
     double brightness_sd = 0;   // of the image's mean luminance, relative to it
     std::vector<float> blocks;  // difference of every block, row by row
@@ -39,10 +39,10 @@ std::vector<Vec3d> exact_image(const Film& film);
 
 // Compares the film with memory.image, its image at half the samples, and brings memory up to date.
 // r is estimated from the 7x7 neighbours and, as far as their spread exceeds the noise, from the
-// pixel itself (Lee 1980); the pixel's own noise never enters its own denominator unopposed. Same
-// bytes with any pool.
+// pixel itself (Lee 1980); the pixel's own noise never enters its own denominator unopposed. Blocks
+// that rested by `plan` keep the difference of their last octave. Same bytes with any pool.
 OctaveStatistics compare_octave(const Film& film, OctaveMemory& memory, double metric_constant,
-                                WorkerPool* pool = nullptr);
+                                WorkerPool* pool = nullptr, const SamplingPlan& plan = {});
 
 // The last octave that memory holds, seen again with another constant. r comes from one image alone,
 // so compare two results of this function, not one with compare_octave's. Changes nothing.

@@ -133,7 +133,7 @@ json header_of(const Film& film, const FilmMetadata& m, const ErrorTracker::Stat
         {"settings", m.settings},
         {"seed", m.seed},
         {"first_sample", m.first_sample},
-        {"passes", film.min_samples()},
+        {"passes", e.adaptive ? e.passes : film.min_samples()},
         {"render_seconds", m.render_seconds},
         {"rays", m.rays},
         {"transparent_background", m.transparent_background},
@@ -146,7 +146,8 @@ json header_of(const Film& film, const FilmMetadata& m, const ErrorTracker::Stat
     if (bad.has_first) header["nonfinite"]["first"] = {bad.first_x, bad.first_y, bad.first_sample};
     json octaves = json::array(), marks = json::array();
     for (const Octave& o : e.octaves)
-        octaves.push_back({o.samples, o.seconds, o.difference, o.standard_error, o.gain});
+        octaves.push_back({o.samples, o.seconds, o.difference, o.standard_error, o.gain,
+                           o.active_share, o.top_share});
     for (const ErrorTracker::Mark& mark : e.marks) marks.push_back({mark.samples, mark.seconds});
     header["error"] = {
         {"exposure_ev", e.exposure_ev},
@@ -163,6 +164,12 @@ json header_of(const Film& film, const FilmMetadata& m, const ErrorTracker::Stat
         {"difference_pixels", e.memory.difference.size()},
         {"blocks", e.last.blocks.size()},
     };
+    if (e.adaptive) {
+        header["error"]["adaptive"] = {{"passes", e.passes},
+                                       {"exposure_ev", e.plan_ev},
+                                       {"octave", e.plan.octave},
+                                       {"blocks", e.plan.blocks.size()}};
+    }
     return header;
 }
 
@@ -171,6 +178,7 @@ struct TableSizes {
     std::size_t half = 0;
     std::size_t differences = 0;
     std::size_t blocks = 0;
+    std::size_t plan = 0;
 };
 
 // Fills everything but the tables; throws json::exception on anything that is missing or of another
@@ -206,7 +214,9 @@ void read_header(const json& header, FilmFile& file, TableSizes& tables) {
     e.seconds_per_sample = error.at("seconds_per_sample").get<double>();
     for (const json& o : error.at("octaves")) {
         e.octaves.push_back({o.at(0).get<uint64_t>(), o.at(1).get<double>(), o.at(2).get<double>(),
-                             o.at(3).get<double>(), o.at(4).get<double>()});
+                             o.at(3).get<double>(), o.at(4).get<double>(),
+                             o.size() > 5 ? o.at(5).get<double>() : 1.0,
+                             o.size() > 6 ? o.at(6).get<double>() : 0.0});
     }
     for (const json& mark : error.at("marks"))
         e.marks.push_back({mark.at(0).get<uint64_t>(), mark.at(1).get<double>(), Film()});
@@ -221,6 +231,14 @@ void read_header(const json& header, FilmFile& file, TableSizes& tables) {
     tables.half = error.at("half_pixels").get<std::size_t>();
     tables.differences = error.at("difference_pixels").get<std::size_t>();
     tables.blocks = error.at("blocks").get<std::size_t>();
+    if (error.contains("adaptive")) {
+        const json& adaptive = error.at("adaptive");
+        e.adaptive = true;
+        e.passes = adaptive.at("passes").get<uint64_t>();
+        e.plan_ev = adaptive.at("exposure_ev").get<float>();
+        e.plan.octave = adaptive.at("octave").get<uint64_t>();
+        tables.plan = adaptive.at("blocks").get<std::size_t>();
+    }
     // The tables are sized by the caller, once the file is known to hold them.
     file.film = Film();
     if (uint64_t{width} * height > kMaxPixels || e.marks.size() > kMaxMarks)
@@ -292,6 +310,8 @@ Status save_film(const std::filesystem::path& path, const Film& film, const Film
     put(bytes_of(error.memory.image));
     put(bytes_of(error.memory.difference));
     put(bytes_of(error.last.blocks));
+    put(bytes_of(error.plan.blocks));
+    put(bytes_of(error.plan.noise));
     for (const ErrorTracker::Mark& mark : error.marks) put(bytes_of(mark.film.pixels()));
     file.write(hash.digest());
     return file.commit();
@@ -337,8 +357,10 @@ Result<FilmFile> load_film(const std::filesystem::path& path) {
     const uint64_t films = 1 + file.error.marks.size();
     const bool fits =
         tables.half <= pixels && tables.differences <= pixels && tables.blocks <= pixels &&
+        tables.plan <= pixels &&
         payload == films * pixels * sizeof(FilmPixel) + tables.half * sizeof(Vec3d) +
-                       tables.differences * sizeof(uint32_t) + tables.blocks * sizeof(float);
+                       tables.differences * sizeof(uint32_t) + tables.blocks * sizeof(float) +
+                       tables.plan * (sizeof(uint8_t) + sizeof(float));
     if (!fits) return unreadable(path, "is truncated or altered (its length does not fit)");
     Sha256 hash;
     hash.add(body);
@@ -350,10 +372,14 @@ Result<FilmFile> load_film(const std::filesystem::path& path) {
     file.error.memory.image.resize(tables.half);
     file.error.memory.difference.resize(tables.differences);
     file.error.last.blocks.resize(tables.blocks);
+    file.error.plan.blocks.resize(tables.plan);
+    file.error.plan.noise.resize(tables.plan);
     reader.take(file.film.pixels());
     reader.take(file.error.memory.image);
     reader.take(file.error.memory.difference);
     reader.take(file.error.last.blocks);
+    reader.take(file.error.plan.blocks);
+    reader.take(file.error.plan.noise);
     for (ErrorTracker::Mark& mark : file.error.marks) {
         mark.film = Film(size[0], size[1]);
         reader.take(mark.film.pixels());
@@ -373,6 +399,10 @@ Status append_film(FilmFile& whole, const FilmFile& part, const std::string& par
     if (a.seed != b.seed) return refuse("has another seed than the films before it");
     if (a.settings != b.settings || a.transparent_background != b.transparent_background)
         return refuse("was rendered with other settings than the films before it");
+    if (whole.error.adaptive || part.error.adaptive) {
+        return refuse("was sampled with --adaptive, where a block's count depends on all samples "
+                      "before; render it in one run, or its parts without");
+    }
     const uint64_t passes = whole.film.min_samples();
     for (const FilmPixel& p : whole.film.pixels()) {
         if (p.samples != passes)

@@ -2,7 +2,7 @@
 // knows, to be resumed and merged. Little-endian: "TALBOTFM", u32 version, u32 length of a JSON
 // header, the header, film pixels (64 bytes each: three 128-bit sums with 56 fraction bits,
 // samples, covered), the image and the packed differences of the last power of two, block
-// differences, the marks' films, and the SHA-256 of all that.
+// differences, the sampling plan, the marks' films, and the SHA-256 of all that.
 #pragma once
 
 #include <cstdint>
@@ -31,6 +31,9 @@ struct FilmFile {
     FilmMetadata metadata;
     Film film;
     ErrorTracker::State error;
+
+    // Whole passes in it.
+    uint64_t passes() const { return error.adaptive ? error.passes : film.min_samples(); }
 };
 
 // Appears whole or not at all, also after a crash of the machine. Without an error state the file
@@ -46,7 +49,7 @@ Result<FilmFile> load_film(const std::filesystem::path& path);
 
 // Joins part, which must start at the sample after whole's last, to whole, as if one run had made
 // both. Refuses parts of another scene or settings, gaps, overlaps and parts that end within a
-// pass; then whole is as before.
+// pass, or were sampled adaptively; then whole is as before.
 Status append_film(FilmFile& whole, const FilmFile& part, const std::string& part_name);
 
 }  // namespace talbot

@@ -4,6 +4,27 @@
 #include <vector>
 
 namespace talbot {
+namespace {
+
+// A tile block by block, each up to its own count.
+void render_blocks(TileKernel kernel, const TileJob& tile, const RenderPass& pass,
+                   const std::stop_token& stop, TileCounts& counts) {
+    const std::size_t columns = (tile.film->width() + kErrorBlock - 1) / kErrorBlock;
+    for (uint32_t y = tile.y0; y < tile.y1; y = (y / kErrorBlock + 1) * kErrorBlock) {
+        for (uint32_t x = tile.x0; x < tile.x1; x = (x / kErrorBlock + 1) * kErrorBlock) {
+            TileJob job = tile;
+            job.x0 = x;
+            job.y0 = y;
+            job.x1 = std::min((x / kErrorBlock + 1) * kErrorBlock, tile.x1);
+            job.y1 = std::min((y / kErrorBlock + 1) * kErrorBlock, tile.y1);
+            const std::size_t block = y / kErrorBlock * columns + x / kErrorBlock;
+            job.target_samples = pass.plan->samples(block, pass.target_samples);
+            kernel(job, stop, counts);
+        }
+    }
+}
+
+}  // namespace
 
 bool render_pass(const RenderPass& pass, Film& film, WorkerPool& pool, std::stop_source& stop,
                  const std::function<bool()>& out_of_time, TileCounts& counts) {
@@ -34,7 +55,10 @@ bool render_pass(const RenderPass& pass, Film& film, WorkerPool& pool, std::stop
             job.y0 = static_cast<uint32_t>(tile / columns) * size;
             job.x1 = std::min(job.x0 + size, film.width());
             job.y1 = std::min(job.y0 + size, film.height());
-            kernel(job, token, by_worker[worker].counts);
+            if (pass.plan != nullptr && !pass.plan->empty())
+                render_blocks(kernel, job, pass, token, by_worker[worker].counts);
+            else
+                kernel(job, token, by_worker[worker].counts);
         },
         token);
     for (const PaddedCounts& c : by_worker) {
@@ -47,16 +71,17 @@ bool render_pass(const RenderPass& pass, Film& film, WorkerPool& pool, std::stop
 }
 
 bool render_pass(ViewMoments& view, const RenderSettings& settings, uint64_t target_samples,
-                 Film& film, WorkerPool& pool, std::stop_source& stop,
+                 const SamplingPlan* plan, Film& film, WorkerPool& pool, std::stop_source& stop,
                  const std::function<bool()>& out_of_time, TileCounts& counts) {
     const std::stop_token token = stop.get_token();
     uint64_t done = view.moves() ? film.min_samples() : target_samples - 1;
     while (done < target_samples) {
         const PreparedView* at = view.at(settings.first_sample + done, settings, pool, token);
+        if (!at) return false;
         ++done;
-        if (!at || !render_pass({*at->scene, at->camera, settings, at->tier, done}, film, pool,
-                                stop, out_of_time, counts))
-            return false;
+        const RenderPass pass{*at->scene, at->camera, settings,
+                              at->tier,   done,       view.moves() ? nullptr : plan};
+        if (!render_pass(pass, film, pool, stop, out_of_time, counts)) return false;
     }
     return true;
 }

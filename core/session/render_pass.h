@@ -4,6 +4,7 @@
 #include <functional>
 #include <stop_token>
 
+#include "core/accuracy/sampling_plan.h"
 #include "core/base/worker_pool.h"
 #include "core/film/film.h"
 #include "core/integrate/kernel.h"
@@ -17,7 +18,8 @@ struct RenderPass {
     const Camera& camera;
     const RenderSettings& settings;
     std::size_t tier = 0;
-    uint64_t target_samples = 0;  // every pixel is brought up to this count
+    uint64_t target_samples = 0;  // every pixel is brought up to this count,
+    const SamplingPlan* plan = nullptr;  // or, with a plan, to what its block has after so many passes
 };
 
 // Adds to `counts`; returns whether every tile was finished. `out_of_time`, where given, is asked
@@ -25,9 +27,10 @@ struct RenderPass {
 bool render_pass(const RenderPass& pass, Film& film, WorkerPool& pool, std::stop_source& stop,
                  const std::function<bool()>& out_of_time, TileCounts& counts);
 
-// The same of a view that may move: then sample by sample, from the film's least count on.
+// The same of a view that may move: then sample by sample, from the film's least count on, and
+// without a plan, for blocks would be at other moments than their neighbours.
 bool render_pass(ViewMoments& view, const RenderSettings& settings, uint64_t target_samples,
-                 Film& film, WorkerPool& pool, std::stop_source& stop,
+                 const SamplingPlan* plan, Film& film, WorkerPool& pool, std::stop_source& stop,
                  const std::function<bool()>& out_of_time, TileCounts& counts);
 
 }  // namespace talbot

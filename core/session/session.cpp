@@ -229,7 +229,8 @@ class RenderSession::Impl {
             previews_done_ = 0;
             last_divisor_ = 0;
             layers_.restart();
-            tracker_.reset(error_exposure_, settings_.first_sample);
+            tracker_.reset(error_exposure_, settings_.first_sample,
+                           settings_.adaptive && !view_.moves());
             resumed_seconds_ = 0;
             shown_image_.reset();
             take_pending_film();
@@ -248,7 +249,7 @@ class RenderSession::Impl {
             state->film.height() != film_.height())
             return;
         film_ = std::move(state->film);
-        passes_ = film_.min_samples();
+        passes_ = state->error.adaptive ? state->error.passes : film_.min_samples();
         samples_ = film_.total_samples();
         rays_ = state->rays;
         render_seconds_ = state->render_seconds;
@@ -268,8 +269,7 @@ class RenderSession::Impl {
 
     bool target_met() const {
         if (!(policy_.target_error_percent > 0)) return false;
-        const ErrorEstimate error = tracker_.at(passes_, render_seconds_);
-        return error.valid && error.hi95 <= policy_.target_error_percent;
+        return tracker_.at(passes_, render_seconds_).meets(policy_.target_error_percent);
     }
 
     double spent_seconds() const { return render_seconds_ - resumed_seconds_; }
@@ -286,15 +286,15 @@ class RenderSession::Impl {
     }
 
     // One pass over a film; returns whether every tile was finished.
-    bool render(Film& film, uint64_t target, TileCounts& counts) {
+    bool render(Film& film, uint64_t target, const SamplingPlan* plan, TileCounts& counts) {
         std::function<bool()> out_of_time;
         if (policy_.time_limit_seconds > 0 && passes_ > 0) {
             out_of_time = [this, start = Clock::now()] {
                 return spent_seconds() + seconds_since(start) > policy_.time_limit_seconds;
             };
         }
-        return talbot::render_pass(view_, settings_, target, film, *pool_, work_stop_, out_of_time,
-                                   counts);
+        return talbot::render_pass(view_, settings_, target, plan, film, *pool_, work_stop_,
+                                   out_of_time, counts);
     }
 
     void render_preview(uint32_t divisor) {
@@ -303,7 +303,7 @@ class RenderSession::Impl {
         Film film(width, height);
         TileCounts counts;
         const Clock::time_point start = Clock::now();
-        const bool complete = render(film, 1, counts);
+        const bool complete = render(film, 1, nullptr, counts);
         measured_rate_ = blended_rate(measured_rate_, counts.samples, seconds_since(start));
         if (!complete) return;
         ++previews_done_;
@@ -329,7 +329,7 @@ class RenderSession::Impl {
         const Clock::time_point start = Clock::now();
         TileCounts counts;
         counts.log = notes_.fork();
-        const bool complete = render(film_, passes_ + 1, counts);
+        const bool complete = render(film_, passes_ + 1, &tracker_.plan(), counts);
         const double seconds = seconds_since(start);
         samples_ += counts.samples;
         rays_ += counts.rays;
@@ -411,7 +411,7 @@ class RenderSession::Impl {
     // The last snapshot of a stopped session holds whatever was sampled.
     void finish() {
         if (source_ && samples_ > 0) {
-            passes_ = film_.min_samples();
+            if (!tracker_.state().adaptive) passes_ = film_.min_samples();
             publish_film();
         }
         std::vector<FilmRequest> requests;

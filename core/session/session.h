@@ -21,7 +21,7 @@ struct SessionPolicy {
     double preview_seconds = 0.020;        // aimed-at time of such a pass
     unsigned threads = 0;                  // 0 = all cores
     double time_limit_seconds = 0;         // of rendering by this session; 0 = none. Ends the current pass early.
-    double target_error_percent = 0;       // stops after the pass at which error.hi95 is below; 0 = off
+    double target_error_percent = 0;       // stops after the pass at which the error meets it; 0 = off
 };
 
 class RenderSession {

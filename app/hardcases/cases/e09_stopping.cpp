@@ -57,7 +57,7 @@ ImageRgba stop_image(Draw& draw) {
         }
         tracker.observe(film, pass, static_cast<double>(pass));
         const ErrorEstimate error = tracker.at(pass, static_cast<double>(pass));
-        if (error.valid && error.hi95 <= kTarget) break;
+        if (error.meets(kTarget)) break;
     }
     return film.image(false);
 }
