@@ -110,9 +110,10 @@ Import imported(const MeshData& good) {
     const auto vertex = static_cast<uint32_t>(good.positions.size() - 1);
     for (const float value : kBad) {
         Pair pair = spoil(good, vertex, 1, value);
-        const Result<SceneDesc> bad = load_text(gltf_text(desc_of(pair.bad, false), camera, with));
+        const Result<SceneDesc> bad =
+            load_text(gltf_text(desc_of(pair.bad, false), camera, with.width, with.height));
         const Result<SceneDesc> plain =
-            load_text(gltf_text(desc_of(pair.without, true), camera, with));
+            load_text(gltf_text(desc_of(pair.without, true), camera, with.width, with.height));
         if (!bad || !plain) {
             ++import.refused;
             continue;

@@ -112,7 +112,7 @@ CaseImages pictures(Effort effort, uint64_t& nonfinite) {
     const Rendering own = render(desc, camera, with);
     nonfinite += own.nonfinite;
     return {naive_render(desc, camera, with, 1e-4f), own.image, "g06-small-room.gltf",
-            gltf_text(desc, camera, with)};
+            gltf_text(desc, camera, with.width, with.height)};
 }
 
 CaseResult run(Effort effort) {

@@ -103,8 +103,9 @@ CaseResult run(Effort effort) {
         naive_changed +=
             differing_pixels(render(baked(exact, by), moved(camera, by), with), exact_here);
         if (&by == &kFar[1]) {
-            result.images.push_back({control.image, there.image, "g08-far-room.gltf",
-                                     gltf_text(moved(desc, by), moved(camera, by), with)});
+            result.images.push_back(
+                {control.image, there.image, "g08-far-room.gltf",
+                 gltf_text(moved(desc, by), moved(camera, by), with.width, with.height)});
         }
     }
     result.measures.push_back({"relMSE of a scene moved by 1e5 to 1e7, against unmoved",

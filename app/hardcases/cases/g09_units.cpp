@@ -42,8 +42,9 @@ CaseResult run(Effort effort) {
         result.nonfinite += r.nonfinite;
         sweep.points.push_back({s, relmse(naive, naive_unit), relmse(r.image, unit.image)});
         if (k == -12)
-            result.images.push_back({naive, r.image, "g09-small-units.gltf",
-                                     gltf_text(scaled(desc, s), scaled(camera, s), with)});
+            result.images.push_back(
+                {naive, r.image, "g09-small-units.gltf",
+                 gltf_text(scaled(desc, s), scaled(camera, s), with.width, with.height)});
     }
     result.measures.push_back({"pixels that change when lengths are multiplied by 2^k, k to +-20",
                                static_cast<double>(naive_changed), static_cast<double>(changed), 0,

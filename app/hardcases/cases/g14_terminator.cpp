@@ -228,7 +228,7 @@ CaseResult run(Effort effort) {
             if (stacks == 8) sweep.points.push_back({degrees, band.naive, band.own});
             if (stacks == 8 && degrees == 70) {
                 images.scene_file_name = "g14-coarse-sphere.gltf";
-                images.scene_gltf = gltf_text(setup.desc, setup.camera, with);
+                images.scene_gltf = gltf_text(setup.desc, setup.camera, with.width, with.height);
                 result.images.push_back(images);
             }
         }

@@ -187,7 +187,7 @@ CaseResult run(Effort effort) {
     mesh.normals.clear();
     SceneDesc desc;
     add_mesh(desc, mesh, add_material(desc, diffuse(Rgb(0.5f))));
-    const std::string text = gltf_text(desc, Camera{}, RenderWith{});
+    const std::string text = gltf_text(desc, Camera{}, 64, 64);
     Deep all;
     Sweep sweep{"levels", "error of hit points in eps times the extent", false, 8, {}};
     uint64_t seed = 0;

@@ -204,7 +204,7 @@ CaseImages staircase(uint64_t passes, uint64_t& nonfinite) {
             layers > 16 ? Rgb(0)
                         : desc.environment.color * std::pow(1 - kAlpha, static_cast<float>(layers));
     }
-    return {naive, own.image, "g18-sheets.gltf", gltf_text(desc, camera, with)};
+    return {naive, own.image, "g18-sheets.gltf", gltf_text(desc, camera, with.width, with.height)};
 }
 
 CaseResult run(Effort effort) {

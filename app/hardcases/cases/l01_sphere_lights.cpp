@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "app/hardcases/cases/light_setup.h"
-#include "app/hardcases/cases/shading_scene.h"
+#include "app/hardcases/cases/gltf_text.h"
 #include "oracles/stats/random.h"
 
 namespace talbot::hardcases::l01 {
@@ -184,7 +184,7 @@ CaseImages picture(Effort effort, double& worst, uint64_t& nonfinite, WorkerPool
         }
     }
     images.scene_file_name = "l01-small-sun.gltf";
-    images.scene_gltf = gltf_text(builder, camera, kSize);
+    images.scene_gltf = gltf_text(builder.desc(), camera, kSize, kSize);
     return images;
 }
 

@@ -1,6 +1,5 @@
 // V01: light through homogeneous matter at optical depths of 1e-8 to 1e8, channel by channel: what
 // passes, and where it scatters once.
-#include "app/hardcases/cases/shading_scene.h"
 #include "app/hardcases/cases/shading_setup.h"
 #include "core/scattering/medium.h"
 #include "oracles/stats/random.h"

@@ -3,7 +3,7 @@
 // through a convex body is 4 V / S whatever the medium (Blanco and Fournier 2003).
 #include <numbers>
 
-#include "app/hardcases/cases/shading_scene.h"
+#include "app/hardcases/cases/gltf_text.h"
 #include "app/hardcases/cases/shading_setup.h"
 #include "core/integrate/surface_interaction.h"
 #include "core/integrate/tiers.h"
@@ -176,7 +176,7 @@ CaseImages picture(Effort effort, double& naive_error, uint64_t& nonfinite, Work
     }
     naive_error = std::abs(sum / count - 1);
     images.scene_file_name = "v03-white-medium.gltf";
-    images.scene_gltf = gltf_text(builder, camera, kSize);
+    images.scene_gltf = gltf_text(builder.desc(), camera, kSize, kSize);
     return images;
 }
 

@@ -3,7 +3,7 @@
 // index.
 #include <numbers>
 
-#include "app/hardcases/cases/shading_scene.h"
+#include "app/hardcases/cases/gltf_text.h"
 #include "app/hardcases/cases/shading_setup.h"
 #include "oracles/stats/ztest.h"
 
@@ -130,7 +130,7 @@ CaseResult run(Effort effort) {
     images.own = own.image;
     images.naive = naive.image;
     images.scene_file_name = "v04-filled-glass.gltf";
-    images.scene_gltf = gltf_text(builder, camera, kSize);
+    images.scene_gltf = gltf_text(builder.desc(), camera, kSize, kSize);
     result.images.push_back(std::move(images));
     // Short of the glass; from within each body; a glass without its other half: no sample may
     // break.
