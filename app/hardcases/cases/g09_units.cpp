@@ -16,8 +16,8 @@ CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
     CaseResult result;
     RenderWith with;
-    with.width = with.height = full ? 128 : 32;
-    with.passes = full ? 32 : 4;
+    with.width = with.height = full ? 48 : 32;
+    with.passes = full ? 8 : 4;
     const SceneDesc desc = cornell_desc();
     const SceneDesc plain = plain_desc();
     const Camera camera = cornell_camera();

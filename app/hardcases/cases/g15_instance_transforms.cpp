@@ -191,7 +191,7 @@ CaseResult run(Effort effort) {
     Score all;
     uint64_t seed = 0;
     for (const Transform& transform : transforms())
-        see_transform(mesh, transform, ++seed, inputs(effort, 1200, 100000), all);
+        see_transform(mesh, transform, ++seed, inputs(effort, 1200, 20000), all);
     Measure depth = all.depth.measure("error of depth, relative", 1e-5);
     depth.naive = NAN;
     result.measures.push_back(depth);

@@ -194,7 +194,7 @@ CaseResult run(Effort effort) {
     for (const bool and_back : {false, true}) {
         for (const int levels : {1, 2, 4, 8, 16, 32}) {
             const Deep d = see_chain(mesh, text, chain(levels, and_back), ++seed,
-                                     inputs(effort, 1500, 200000));
+                                     inputs(effort, 1500, 60000));
             if (and_back)
                 sweep.points.push_back({static_cast<double>(levels), d.point.naive, d.point.own});
             all.merge(d);

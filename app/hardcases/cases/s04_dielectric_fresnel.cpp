@@ -192,7 +192,7 @@ CaseResult run(Effort effort) {
         float naive_before = 2;
         float own_before = 2;
         Quad before = 2;
-        for (const float c : cosines(eta, effort == Effort::full ? 1000000 : 4000)) {
+        for (const float c : cosines(eta, effort == Effort::full ? 100000 : 4000)) {
             const DielectricFresnel f = fresnel_dielectric(c, eta);
             judge(own, eta, c, static_cast<double>(f.reflectance), split_sum(c, eta));
             const Textbook t = textbook(c, eta);
@@ -211,7 +211,7 @@ CaseResult run(Effort effort) {
             }
         }
     }
-    const Bent bent = bent_directions(effort == Effort::full ? 1000000 : 20000);
+    const Bent bent = bent_directions(effort == Effort::full ? 400000 : 20000);
     CaseResult result;
     double naive_image = 0;
     double own_image = 0;
