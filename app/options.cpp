@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "app/exit_code.h"
+#include "app/isa_option.h"
 #include "core/scene/effects_off.h"
 
 namespace talbot {
@@ -210,6 +211,7 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
     app.add_option("--sample", raw.sample, "the sample index that --pixel replays");
     app.add_flag("--strict", o.strict, "fail when any sample was not finite");
     app.add_flag("--json", o.json, "info, effects: print JSON");
+    add_isa_option(app);
     app.add_flag("--quiet", raw.quiet, "errors only");
     app.add_option("--log", raw.log, "error, warning, info or debug");
     app.set_version_flag("--version", "talbot " TALBOT_VERSION);

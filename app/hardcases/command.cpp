@@ -14,6 +14,7 @@
 #include "app/hardcases/selection.h"
 #include "app/hardcases/stress.h"
 #include "app/hardcases/twin.h"
+#include "app/isa_option.h"
 #include "core/base/log.h"
 #include "core/io/image_io.h"
 
@@ -54,6 +55,7 @@ Result<std::optional<HardcasesOptions>> parse(std::span<const std::string> args)
     app.add_option("--threads", o.settings.threads, "of the workers (all cores)")
         ->check(CLI::Range(0u, 1024u));
     app.add_option("--seed", o.settings.seed, "of the cases' random numbers (0)");
+    add_isa_option(app);
     app.add_option(
         "--scene", o.scene,
         "stress mode: this scene moved, scaled, turned and mirrored, with the options of "

@@ -51,6 +51,7 @@ ordered_json row_json(const CaseRow& row) {
             {"verdict", verdict_name(row.judgement.verdict)},
             {"why", row.judgement.why},
             {"seconds", row.seconds},
+            {"cpu_seconds", row.cpu_seconds},
             {"nonfinite", row.result.nonfinite},
             {"clamped", row.result.clamped},
             {"shown", row.judgement.worst},
@@ -98,6 +99,7 @@ std::string cases_json(const CaseReport& report) {
                              {"margin", margin(*totals.worst->shown())}};
     }
     j["seconds"] = report.outcome.seconds;
+    j["cpu_seconds"] = report.outcome.cpu_seconds;
     j["interrupted"] = report.outcome.interrupted;
     j["kept"] = totals.kept;
     return j.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";

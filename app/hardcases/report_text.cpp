@@ -78,9 +78,9 @@ void print_footer(const CaseReport& report, std::FILE* out) {
     if (!report.not_simulated.empty()) std::fprintf(out, "\nnot simulated\n");
     for (const NotSimulated& row : report.not_simulated)
         std::fprintf(out, "%-4s %s: %s\n", row.id.c_str(), row.title.c_str(), row.why.c_str());
-    std::fprintf(out, "\n%zu of %zu pass, %zu fail, %zu blind; %.1f s%s\n", totals.passed,
-                 outcome.rows.size(), totals.failed, totals.blind, outcome.seconds,
-                 outcome.interrupted ? " (interrupted)" : "");
+    std::fprintf(out, "\n%zu of %zu pass, %zu fail, %zu blind; %.1f s, of processors %.1f s%s\n",
+                 totals.passed, outcome.rows.size(), totals.failed, totals.blind, outcome.seconds,
+                 outcome.cpu_seconds, outcome.interrupted ? " (interrupted)" : "");
     std::fprintf(out, "not finite samples %llu, counted clamps %llu, worst margin %s\n",
                  static_cast<unsigned long long>(totals.nonfinite),
                  static_cast<unsigned long long>(totals.clamped),

@@ -9,6 +9,8 @@
 #include <mutex>
 #include <thread>
 
+#include "core/base/cpu_clock.h"
+
 namespace talbot::hardcases {
 namespace {
 
@@ -50,8 +52,10 @@ void run_one(const std::function<CaseResult(Effort)>& run, Effort effort, Pendin
 RunOutcome run_cases(const std::vector<HardCase>& cases, Effort effort, const CaseWatch& watch) {
     RunOutcome outcome;
     const Clock::time_point start = Clock::now();
+    const double cpu_start = process_cpu_seconds();
     for (std::size_t i = 0; i < cases.size() && !outcome.interrupted; ++i) {
         const Clock::time_point case_start = Clock::now();
+        const double cpu_case_start = process_cpu_seconds();
         const auto pending = std::make_shared<Pending>();
         std::thread thread(
             [pending, run = cases[i].run, effort] { run_one(run, effort, *pending); });
@@ -72,10 +76,11 @@ RunOutcome run_cases(const std::vector<HardCase>& cases, Effort effort, const Ca
         }
         thread.join();
         outcome.rows.push_back({cases[i], std::move(pending->result), std::move(pending->judgement),
-                                seconds_since(case_start)});
+                                seconds_since(case_start), process_cpu_seconds() - cpu_case_start});
         if (watch.done) watch.done(outcome.rows.back());
     }
     outcome.seconds = seconds_since(start);
+    outcome.cpu_seconds = process_cpu_seconds() - cpu_start;
     return outcome;
 }
 

@@ -15,6 +15,7 @@ struct CaseRow {
     CaseResult result;
     Judgement judgement;
     double seconds = 0;
+    double cpu_seconds = 0;  // of all threads: other programs do not stretch it
 
     // The measure that the row shows; null when the case has none.
     const Measure* shown() const {
@@ -31,6 +32,7 @@ struct CaseWatch {
 struct RunOutcome {
     std::vector<CaseRow> rows;
     double seconds = 0;
+    double cpu_seconds = 0;
     // Then the case at hand is still running, and the process must end without destructors.
     bool interrupted = false;
 };

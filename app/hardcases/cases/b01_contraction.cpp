@@ -47,7 +47,7 @@ bool naive_hit(const Ray& ray, const Fan& fan) {
 }
 
 CaseResult run(Effort effort) {
-    const int fans = effort == Effort::full ? 2000 : 20;
+    const int fans = effort == Effort::full ? 400 : 20;
     constexpr int kRays = 2000;
     WorkerPool pool(1);
     CaseResult result;

@@ -76,7 +76,7 @@ std::string film_bytes(WorkerPool& pool) {
 }
 
 CaseResult run(Effort effort) {
-    const int count = effort == Effort::full ? 2000000 : 50000;
+    const int count = effort == Effort::full ? 1000000 : 50000;
     Draw draw(0xB04);
     const Soup soup(draw, 2000);
     const std::vector<Ray> rays = rays_through(draw, count);

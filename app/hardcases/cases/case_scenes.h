@@ -1,10 +1,10 @@
-// Scenes in code for the image cases: put together, rendered by Talbot's own kernels, and written
-// as one self-contained glTF text.
+// Scenes in code for the image cases: put together and rendered by Talbot's own kernels.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
+#include "app/hardcases/cases/gltf_text.h"
 #include "app/hardcases/hard_case.h"
 #include "core/base/result.h"
 #include "core/film/film.h"
@@ -64,9 +64,5 @@ double relmse(const ImageRgba& image, const ImageRgba& reference);
 
 // Reads glTF text as a file would be read.
 Result<SceneDesc> load_text(const std::string& gltf);
-
-// Meshes, spheres, factors of materials, punctual lights, an even environment and one camera as
-// glTF with its data inside.
-std::string gltf_text(const SceneDesc& desc, const Camera& camera, const RenderWith& with);
 
 }  // namespace talbot::hardcases::geometry

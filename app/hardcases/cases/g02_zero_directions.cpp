@@ -130,9 +130,9 @@ double time_ratio(uint64_t count) {
 
 CaseResult run(Effort effort) {
     CaseResult result;
-    result.measures.push_back(over_inputs<Failures>(1, inputs(effort, 2e3, 4e5), see_box, 64)
+    result.measures.push_back(over_inputs<Failures>(1, inputs(effort, 2e3, 1e5), see_box, 64)
                                   .measure("boxes that are met and rejected"));
-    result.measures.push_back(axis_aligned_scene(inputs(effort, 4e4, 5e6))
+    result.measures.push_back(axis_aligned_scene(inputs(effort, 4e4, 2e6))
                                   .measure("rays along axes that differ from brute force"));
     // Quick runs are part of the tests, which never depend on a clock.
     if (effort == Effort::quick) return result;

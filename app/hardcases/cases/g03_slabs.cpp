@@ -40,9 +40,9 @@ void see_generic(Rng& rng, Failures& failures) {
 
 CaseResult run(Effort effort) {
     CaseResult result;
-    result.measures.push_back(over_inputs<Failures>(1, inputs(effort, 2.5e5, 1.2e7), see_edge)
+    result.measures.push_back(over_inputs<Failures>(1, inputs(effort, 2.5e5, 5e6), see_edge)
                                   .measure("boxes met at an edge and rejected"));
-    const Failures generic = over_inputs<Failures>(2, inputs(effort, 2.5e5, 1e7), see_generic);
+    const Failures generic = over_inputs<Failures>(2, inputs(effort, 2.5e5, 4e6), see_generic);
     Measure extra = generic.measure("share of boxes accepted though not met");
     extra.naive /= static_cast<double>(generic.inputs);
     extra.own /= static_cast<double>(generic.inputs);

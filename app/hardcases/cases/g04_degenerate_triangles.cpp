@@ -151,7 +151,7 @@ uint64_t naive_nan_normals() {
 
 CaseResult run(Effort effort) {
     CaseResult result;
-    const NeedleScore needles = over_inputs<NeedleScore>(1, inputs(effort, 2e5, 1e7), see_needle);
+    const NeedleScore needles = over_inputs<NeedleScore>(1, inputs(effort, 2e5, 3e6), see_needle);
     result.measures.push_back(needles.set.measure("needles hit or missed against binary128"));
     result.measures.push_back(needles.outside.measure("hits outside the padded bounds"));
     result.measures.push_back(needles.t_error.measure("error of t in units of eps (|o| + t)", 32));

@@ -53,7 +53,7 @@ void see_triangles(Rng& rng, bool instanced, SpawnScore& score) {
     SceneBuildOptions options;
     options.quality = BuildQuality::fast;
     const auto scene = Scene::build(desc, pool, options);
-    for (int i = 0; i < 2 * kTriangles; ++i) {
+    for (int i = 0; i < 8 * kTriangles; ++i) {
         const uint32_t instance = rng.below(static_cast<uint32_t>(desc.instances.size()));
         const SceneInstance& placed = scene->geometry().instances[instance];
         const Mesh& stored = scene->geometry().meshes[placed.mesh];
@@ -103,8 +103,8 @@ void see_spheres(Rng& rng, SpawnScore& score) {
 
 CaseImages pictures(Effort effort, uint64_t& nonfinite) {
     RenderWith with;
-    with.width = with.height = effort == Effort::full ? 192 : 64;
-    with.passes = effort == Effort::full ? 64 : 8;
+    with.width = with.height = effort == Effort::full ? 128 : 64;
+    with.passes = effort == Effort::full ? 32 : 8;
     // In units of a ten thousandth: what a CAD file in micrometres is when it is read as metres.
     constexpr double kScale = 1e-4;
     const SceneDesc desc = scaled(plain_desc(), kScale);
@@ -112,7 +112,7 @@ CaseImages pictures(Effort effort, uint64_t& nonfinite) {
     const Rendering own = render(desc, camera, with);
     nonfinite += own.nonfinite;
     return {naive_render(desc, camera, with, 1e-4f), own.image, "g06-small-room.gltf",
-            gltf_text(desc, camera, with)};
+            gltf_text(desc, camera, with.width, with.height)};
 }
 
 CaseResult run(Effort effort) {
@@ -121,10 +121,10 @@ CaseResult run(Effort effort) {
         return over_inputs<SpawnScore>(seed, inputs(effort, quick, full), body, 1);
     };
     SpawnScore plain =
-        many(1, 25, 5000, [](Rng& rng, SpawnScore& score) { see_triangles(rng, false, score); });
+        many(1, 8, 120, [](Rng& rng, SpawnScore& score) { see_triangles(rng, false, score); });
     SpawnScore instanced =
-        many(2, 12, 2500, [](Rng& rng, SpawnScore& score) { see_triangles(rng, true, score); });
-    SpawnScore spheres = many(3, 40, 8000, see_spheres);
+        many(2, 4, 60, [](Rng& rng, SpawnScore& score) { see_triangles(rng, true, score); });
+    SpawnScore spheres = many(3, 40, 2000, see_spheres);
     const auto add = [&](const char* what, const SpawnScore& score) {
         result.measures.push_back(score.epsilon.measure(std::string("self-hits on ") + what +
                                                         " against 1e-4 along the ray"));

@@ -16,8 +16,8 @@ CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
     CaseResult result;
     RenderWith with;
-    with.width = with.height = full ? 128 : 32;
-    with.passes = full ? 32 : 4;
+    with.width = with.height = full ? 48 : 32;
+    with.passes = full ? 8 : 4;
     const SceneDesc desc = cornell_desc();
     const SceneDesc plain = plain_desc();
     const Camera camera = cornell_camera();
@@ -42,8 +42,9 @@ CaseResult run(Effort effort) {
         result.nonfinite += r.nonfinite;
         sweep.points.push_back({s, relmse(naive, naive_unit), relmse(r.image, unit.image)});
         if (k == -12)
-            result.images.push_back({naive, r.image, "g09-small-units.gltf",
-                                     gltf_text(scaled(desc, s), scaled(camera, s), with)});
+            result.images.push_back(
+                {naive, r.image, "g09-small-units.gltf",
+                 gltf_text(scaled(desc, s), scaled(camera, s), with.width, with.height)});
     }
     result.measures.push_back({"pixels that change when lengths are multiplied by 2^k, k to +-20",
                                static_cast<double>(naive_changed), static_cast<double>(changed), 0,

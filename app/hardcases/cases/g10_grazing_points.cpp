@@ -161,7 +161,7 @@ CaseResult run(Effort effort) {
     for (int k = 1; k <= 7; ++k) {
         const double angle = std::pow(10.0, -k);
         const auto seed = static_cast<uint64_t>(k);
-        const uint64_t count = inputs(effort, 48, 20000);
+        const uint64_t count = inputs(effort, 48, 600);
         const Largest plane = over_inputs<Largest>(
             seed, count, [&](Rng& rng, Largest& e) { see_plane(angle, rng, e); }, 16);
         sweep.points.push_back({angle, plane.naive, plane.own});
@@ -173,7 +173,7 @@ CaseResult run(Effort effort) {
         planes.measure("distance of hit points from the plane, in eps sum |b_i v_i|", 8));
     result.measures.push_back(
         limbs.measure("distance of hit points from a sphere, in eps (|c| + r)", 8));
-    result.measures.push_back(right_triangle(inputs(effort, 2500, 200000))
+    result.measures.push_back(right_triangle(inputs(effort, 2500, 30000))
                                   .measure("grazing rays that meet a wrong triangle"));
     result.sweeps = {sweep};
     return result;

@@ -121,7 +121,7 @@ CaseResult run(Effort effort) {
     for (int k = 4; k <= 14; ++k) {
         const float ratio = std::pow(10.0f, 0.5f * static_cast<float>(k));
         const Distant d = over_inputs<Distant>(
-            static_cast<uint64_t>(k), inputs(effort, 400, 60000),
+            static_cast<uint64_t>(k), inputs(effort, 400, 5000),
             [&](Rng& rng, Distant& score) { see_sphere(ratio, rng, score); }, 16);
         const auto n = static_cast<double>(d.hits.inputs);
         if (d.hits.inputs > 0)
@@ -134,7 +134,7 @@ CaseResult run(Effort effort) {
         all.hits.measure("wrong hit or miss, further than 4 eps distance from the limb"));
     result.measures.push_back(all.t_error.measure("error of t in ulp", 2));
     result.measures.push_back(all.point.measure("error of the hit point, in radii", 1e-5));
-    result.measures.push_back(from_within(inputs(effort, 1e5, 1e7))
+    result.measures.push_back(from_within(inputs(effort, 1e5, 1.5e6))
                                   .measure("wrong crossings of rays from the surface or inside"));
     result.sweeps = {misses, points};
     return result;

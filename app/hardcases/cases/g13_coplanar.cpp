@@ -210,7 +210,7 @@ CaseResult run(Effort effort) {
     Fights copies;  // turned by odd angles and moved, on the same corners
     Fights splits;  // the same with corners of their own, which float cannot hold in one plane
     Rng rng(3);
-    const int turns = effort == Effort::full ? 200 : 4;
+    const int turns = effort == Effort::full ? 20 : 4;
     for (int i = 0; i < turns; ++i) {
         Turned turned{};
         turned.z = normalize(Vec3d(rng.direction()));

@@ -170,11 +170,11 @@ uint64_t changed_by_singular(uint64_t& nonfinite) {
     RenderWith with;
     with.width = with.height = 48;
     with.passes = 2;
-    const Result<SceneDesc> without = load_text(gltf_text(desc, camera, with));
+    const Result<SceneDesc> without = load_text(gltf_text(desc, camera, with.width, with.height));
     Mat4d flat(1.0);
     flat[2][2] = 0;
     desc.instances.push_back({0, 0, flat});
-    const Result<SceneDesc> mixed = load_text(gltf_text(desc, camera, with));
+    const Result<SceneDesc> mixed = load_text(gltf_text(desc, camera, with.width, with.height));
     if (!without || !mixed || mixed->warnings.size() != 1) return UINT64_MAX;
     const Rendering a = render(*without, camera, with);
     const Rendering b = render(*mixed, camera, with);
@@ -191,7 +191,7 @@ CaseResult run(Effort effort) {
     Score all;
     uint64_t seed = 0;
     for (const Transform& transform : transforms())
-        see_transform(mesh, transform, ++seed, inputs(effort, 1200, 100000), all);
+        see_transform(mesh, transform, ++seed, inputs(effort, 1200, 20000), all);
     Measure depth = all.depth.measure("error of depth, relative", 1e-5);
     depth.naive = NAN;
     result.measures.push_back(depth);

@@ -187,14 +187,14 @@ CaseResult run(Effort effort) {
     mesh.normals.clear();
     SceneDesc desc;
     add_mesh(desc, mesh, add_material(desc, diffuse(Rgb(0.5f))));
-    const std::string text = gltf_text(desc, Camera{}, RenderWith{});
+    const std::string text = gltf_text(desc, Camera{}, 64, 64);
     Deep all;
     Sweep sweep{"levels", "error of hit points in eps times the extent", false, 8, {}};
     uint64_t seed = 0;
     for (const bool and_back : {false, true}) {
         for (const int levels : {1, 2, 4, 8, 16, 32}) {
             const Deep d = see_chain(mesh, text, chain(levels, and_back), ++seed,
-                                     inputs(effort, 1500, 200000));
+                                     inputs(effort, 1500, 60000));
             if (and_back)
                 sweep.points.push_back({static_cast<double>(levels), d.point.naive, d.point.own});
             all.merge(d);

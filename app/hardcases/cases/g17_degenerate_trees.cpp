@@ -58,7 +58,7 @@ struct Input {
 
 std::vector<Input> make_inputs(bool full) {
     std::vector<Input> list;
-    const int many = full ? 1000000 : 60000;
+    const int many = full ? 300000 : 60000;
     const uint64_t few_rays = full ? 40 : 12;
     MeshData equal;
     for (int i = 0; i < many; ++i) equal.add_triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
@@ -69,7 +69,7 @@ std::vector<Input> make_inputs(bool full) {
         powers.add_triangle({s, 0, 0}, {1.5f * s, s, 0}, {s, 0, s});
     }
     list.push_back(
-        {"centroids at powers of two", std::move(powers), full ? 100000u : 3000u, false});
+        {"centroids at powers of two", std::move(powers), full ? 30000u : 3000u, false});
     MeshData shells;
     const MeshData shell = displaced_sphere(2, 0);
     for (int j = 0; j < 24; ++j) {
@@ -77,7 +77,7 @@ std::vector<Input> make_inputs(bool full) {
         for (Vec3f& p : scaled.positions) p *= std::ldexp(1.0f, j - 12);
         shells.add(scaled);
     }
-    list.push_back({"concentric shells", std::move(shells), full ? 100000u : 2000u, false});
+    list.push_back({"concentric shells", std::move(shells), full ? 20000u : 2000u, false});
     MeshData collinear;
     for (int i = 0; i < (full ? 100000 : 30000); ++i) {
         const auto x = static_cast<float>(i);
@@ -90,7 +90,7 @@ std::vector<Input> make_inputs(bool full) {
         nested.add_quad({-s, -s, 0}, {s, -s, 0}, {s, s, 0}, {-s, s, 0});
     }
     list.push_back(
-        {"equal centroids of every size", std::move(nested), full ? 50000u : 500u, false});
+        {"equal centroids of every size", std::move(nested), full ? 10000u : 500u, false});
     for (int n = 0; n <= 2; ++n) {
         MeshData small;
         for (int i = 0; i < n; ++i) {

@@ -204,18 +204,18 @@ CaseImages staircase(uint64_t passes, uint64_t& nonfinite) {
             layers > 16 ? Rgb(0)
                         : desc.environment.color * std::pow(1 - kAlpha, static_cast<float>(layers));
     }
-    return {naive, own.image, "g18-sheets.gltf", gltf_text(desc, camera, with)};
+    return {naive, own.image, "g18-sheets.gltf", gltf_text(desc, camera, with.width, with.height)};
 }
 
 CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
     CaseResult result;
     result.measures.push_back(all_hits(full ? 1000000 : 100000));
-    alpha_sheets(full ? 1000 : 64, full ? 100 : 24, result);
+    alpha_sheets(full ? 1000 : 64, full ? 14 : 24, result);
     glass_plates(full ? 30 : 5, full ? 200 : 20, result);
     if (full) glass_plates(1000, 8, result);
     matched_sheets(full ? 100000 : 5000, result);
-    result.images.push_back(staircase(full ? 256 : 16, result.nonfinite));
+    result.images.push_back(staircase(full ? 64 : 16, result.nonfinite));
     return result;
 }
 

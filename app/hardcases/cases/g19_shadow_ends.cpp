@@ -83,7 +83,7 @@ CaseResult run(Effort effort) {
     Sweep sweep{"distance of the lamp, m", "wrong shadow rays, share", true, 0, {}};
     for (int k = -3; k <= 9; ++k) {
         const Failures f = over_inputs<Failures>(
-            static_cast<uint64_t>(k + 10), inputs(effort, 60, 25000),
+            static_cast<uint64_t>(k + 10), inputs(effort, 60, 4000),
             [&](Rng& rng, Failures& failures) {
                 see_lamp(std::pow(10.0, k) * static_cast<double>(rng.uniform(1, 10)) / 3, rng,
                          failures);

@@ -136,7 +136,7 @@ CaseImages picture(Effort effort, uint64_t& nonfinite, WorkerPool& pool) {
     builder.desc().environment.intensity = 0.02f;
     builder.desc().environment.image = m.image();
     const Camera camera = camera_at(Vec3d(0, 1.8, 4), Vec3d(0, 0.5, 0), 0.6);
-    const uint64_t passes = effort == Effort::full ? 64 : 8;
+    const uint64_t passes = effort == Effort::full ? 32 : 8;
     NonFiniteCount bad;
     CaseImages images;
     images.own = render_film(builder.build(pool), camera, PathSettings{}, kSize, kSize, passes,
@@ -192,7 +192,7 @@ CaseResult run(Effort effort) {
                    std::to_string(m.width);
         };
         const bool large = m.width > w;
-        const Outcome out = measure(m, full ? 1000000 : 40000, !large || full);
+        const Outcome out = measure(m, full ? 400000 : 40000, !large || full);
         z.add(out.z, where);
         unreachable.add(out.unreachable, where);
         sum.add(out.sum_error, where);

@@ -161,8 +161,8 @@ double brightest(WorkerPool& pool, uint32_t size, uint64_t passes, std::string& 
 CaseResult run(Effort effort) {
     const bool full = effort == Effort::full;
     WorkerPool pool(run_settings().threads);
-    const Disagreements sphere = at_sphere_edges(full ? 20000000 : 100000, pool);
-    const Disagreements triangle = at_triangle_edges(full ? 10000000 : 100000, pool);
+    const Disagreements sphere = at_sphere_edges(full ? 10000000 : 100000, pool);
+    const Disagreements triangle = at_triangle_edges(full ? 5000000 : 100000, pool);
     std::string where;
     const double ratio = brightest(pool, full ? 24 : 8, full ? 4096 : 512, where);
     CaseResult result;

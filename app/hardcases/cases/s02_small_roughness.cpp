@@ -89,7 +89,7 @@ struct Floor {
 };
 
 CaseResult run(Effort effort) {
-    const int draws = effort == Effort::full ? 1000000 : 8000;
+    const int draws = effort == Effort::full ? 100000 : 8000;
     constexpr float kAlphas[] = {1e-8f, 1e-5f, 1e-4f, 9.9e-4f, 1e-3f, 2e-3f, 5e-3f, 1e-2f};
     WorstError naive;
     WorstError own;
@@ -129,7 +129,7 @@ CaseResult run(Effort effort) {
         returned_naively(0, {mu}, draws, naive_bad);
     }
     WorkerPool pool(run_settings().threads);
-    const Floor floor{pool, effort == Effort::full ? 512u : 16u};
+    const Floor floor{pool, effort == Effort::full ? 128u : 16u};
     const stats::Moments mirror = floor.mean(0);
     WorstError image;
     for (const double alpha : {1e-8, 1e-3, 1e-2}) {

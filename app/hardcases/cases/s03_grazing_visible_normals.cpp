@@ -20,7 +20,7 @@ float textbook_pdf(float alpha, const Vec3f& wo, const Vec3f& h) {
 }
 
 CaseResult run(Effort effort) {
-    const int draws = effort == Effort::full ? 200000 : 2000;
+    const int draws = effort == Effort::full ? 50000 : 2000;
     const int radial = effort == Effort::full ? 1500 : 300;
     WorstError integral;
     WorstError naive_integral;

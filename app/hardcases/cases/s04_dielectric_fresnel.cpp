@@ -1,7 +1,7 @@
 // S04: Fresnel of a dielectric at matched indices, at the critical angle and at huge indices; a
 // solid of index 1 is exactly invisible.
 #include "app/hardcases/cases/quad_float.h"
-#include "app/hardcases/cases/shading_scene.h"
+#include "app/hardcases/cases/gltf_text.h"
 #include "app/hardcases/cases/shading_setup.h"
 #include "core/accuracy/metrics.h"
 #include "oracles/scattering_cases.h"
@@ -181,7 +181,7 @@ CaseImages picture(double& naive_error, double& own_error, uint64_t& nonfinite) 
     own_error = compare_images(images.own, clear, 0).relmse;
     nonfinite = bad.total();
     images.scene_file_name = "s04-index-one.gltf";
-    images.scene_gltf = gltf_text(with, camera, kSize);
+    images.scene_gltf = gltf_text(with.desc(), camera, kSize, kSize);
     return images;
 }
 
@@ -192,7 +192,7 @@ CaseResult run(Effort effort) {
         float naive_before = 2;
         float own_before = 2;
         Quad before = 2;
-        for (const float c : cosines(eta, effort == Effort::full ? 1000000 : 4000)) {
+        for (const float c : cosines(eta, effort == Effort::full ? 100000 : 4000)) {
             const DielectricFresnel f = fresnel_dielectric(c, eta);
             judge(own, eta, c, static_cast<double>(f.reflectance), split_sum(c, eta));
             const Textbook t = textbook(c, eta);
@@ -211,7 +211,7 @@ CaseResult run(Effort effort) {
             }
         }
     }
-    const Bent bent = bent_directions(effort == Effort::full ? 1000000 : 20000);
+    const Bent bent = bent_directions(effort == Effort::full ? 400000 : 20000);
     CaseResult result;
     double naive_image = 0;
     double own_image = 0;

@@ -2,7 +2,7 @@
 // gained, and a flat normal map is none at all.
 #include <numbers>
 
-#include "app/hardcases/cases/shading_scene.h"
+#include "app/hardcases/cases/gltf_text.h"
 #include "app/hardcases/cases/shading_setup.h"
 #include "core/integrate/material_eval.h"
 #include "core/integrate/tiers.h"
@@ -218,7 +218,7 @@ CaseResult run(Effort effort) {
         own_black += black;
         if (tilt != 60) continue;
         images.scene_file_name = "s06-tilted-normals.gltf";
-        images.scene_gltf = gltf_text(builder, camera, kSize);
+        images.scene_gltf = gltf_text(builder.desc(), camera, kSize, kSize);
         result.images.push_back(std::move(images));
     }
     result.nonfinite = bad.total();

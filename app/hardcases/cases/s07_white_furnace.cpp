@@ -1,7 +1,7 @@
 // S07: white surfaces in a white surrounding return what they receive, rough ones too.
 #include <algorithm>
 
-#include "app/hardcases/cases/shading_scene.h"
+#include "app/hardcases/cases/gltf_text.h"
 #include "app/hardcases/cases/shading_setup.h"
 #include "oracles/scattering_cases.h"
 
@@ -93,7 +93,7 @@ CaseImages picture(Effort effort, double& naive_worst, double& own_worst, uint64
     }
     nonfinite = bad.total();
     images.scene_file_name = "s07-furnace.gltf";
-    images.scene_gltf = gltf_text(builder, camera, kSize);
+    images.scene_gltf = gltf_text(builder.desc(), camera, kSize, kSize);
     return images;
 }
 

@@ -126,7 +126,7 @@ CaseResult run(Effort effort) {
 
     const std::vector<Setting> all = scattering_settings();
     const std::size_t stride = full ? 1 : 17;
-    const int draws = full ? 30000 : 10000;
+    const int draws = full ? 15000 : 10000;
     struct Outcome {
         double p = 1, missing = 0;
     };

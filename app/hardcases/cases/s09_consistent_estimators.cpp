@@ -127,7 +127,7 @@ CaseResult run(Effort effort) {
     const Lamp lamp(pool);
     WorstError record;
     const std::vector<Setting> settings = scattering_settings();
-    const int per_setting = full ? 5000 : 100;
+    const int per_setting = full ? 2000 : 100;
     uint64_t seed = 1;
     for (const Setting& s : settings) {
         const double alpha = std::max(1e-3, static_cast<double>(s.surface.params.alpha));
@@ -148,7 +148,7 @@ CaseResult run(Effort effort) {
     // One scene per kind of surface.
     const std::vector<ScatteringCase> surfaces = coloured_surfaces(0.2f);
     const std::size_t step = full ? 1 : 4;
-    const int draws = full ? 500000 : 10000;
+    const int draws = full ? 200000 : 10000;
     std::vector<double> z((surfaces.size() + step - 1) / step);
     pool.parallel_for(z.size(), [&](uint64_t i, unsigned) {
         z[i] = disagreement(make_bsdf(surfaces[i * step], view), lamp, draws, 100 + i);

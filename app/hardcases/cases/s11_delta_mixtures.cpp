@@ -129,7 +129,7 @@ CaseResult run(Effort effort) {
     glass.thickness_factor = 1;
     Material mirror;
     mirror.roughness_factor = 0;
-    const uint64_t passes = full ? 512 : 8;
+    const uint64_t passes = full ? 256 : 8;
     WorstError apart;
     const auto judge = [&](const Material& floor, const Material& ball, const char* name) {
         apart.add(strategies_apart(pool, floor, ball, passes), [&] { return std::string(name); });

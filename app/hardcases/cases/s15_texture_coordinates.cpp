@@ -1,6 +1,6 @@
 // S15: texture coordinates that say nothing: collapsed, mirrored, huge, not finite, and a plane to
 // the horizon. A constant texture is exactly constant everywhere.
-#include "app/hardcases/cases/shading_scene.h"
+#include "app/hardcases/cases/gltf_text.h"
 #include "app/hardcases/cases/shading_setup.h"
 #include "core/integrate/material_eval.h"
 #include "core/integrate/tiers.h"
@@ -150,7 +150,7 @@ CaseResult run(Effort effort) {
         }
     }
     images.scene_file_name = "s15-horizon.gltf";
-    images.scene_gltf = gltf_text(scene, camera, kSize);
+    images.scene_gltf = gltf_text(scene.desc(), camera, kSize, kSize);
     result.images.push_back(std::move(images));
     result.nonfinite = bad.total();
 
