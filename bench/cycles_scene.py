@@ -5,6 +5,7 @@ No denoiser, no clamping, no adaptive sampling, caustics on, 1 px box filter: th
 Talbot's.
 """
 import json
+import os
 import sys
 import time
 
@@ -49,17 +50,18 @@ scene.render.filepath = "/dev/shm/cycles_scene.exr"
 
 def render(samples):
     c.samples = samples
-    start = time.perf_counter()
+    start, cpu = time.perf_counter(), sum(os.times()[:2])
     bpy.ops.render.render(write_still=True)
-    return time.perf_counter() - start
+    return numpy.array([time.perf_counter() - start, sum(os.times()[:2]) - cpu])
 
 
 # The difference of two lengths takes set-up and writing out.
 short = render(max(1, spp // 8))
 long = render(spp)
-seconds = (long - short) * spp / (spp - max(1, spp // 8))
-print(json.dumps({"cycles": bpy.app.version_string, "width": width, "height": height, "spp": spp, "sampling_seconds": seconds,
-                  "samples_per_second": width * height * spp / seconds}))
+seconds, cpu_seconds = (long - short) * spp / (spp - max(1, spp // 8))
+print(json.dumps({"cycles": bpy.app.version_string, "width": width, "height": height, "spp": spp, "threads": threads,
+                  "sampling_seconds": seconds, "samples_per_second": width * height * spp / seconds,
+                  "samples_per_cpu_second": width * height * spp / cpu_seconds}))
 if len(args) > 4:
     image = bpy.data.images.load(scene.render.filepath)
     pixels = numpy.empty(width * height * 4, numpy.float32)

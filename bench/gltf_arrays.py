@@ -78,6 +78,14 @@ class Gltf:
                 return self.doc["cameras"][node["camera"]]["perspective"]["yfov"], world
         raise SystemExit(f"{self.path}: has no camera")
 
+    def lights(self):
+        """(light, world matrix) of every placed punctual light."""
+        lights = self.doc.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", [])
+        for node, world in self.nodes():
+            placed = node.get("extensions", {}).get("KHR_lights_punctual")
+            if placed:
+                yield lights[placed["light"]], world
+
     def size(self, scale):
         width, height = self.doc["cameras"][0].get("extras", {}).get("resolution", [512, 512])
         return max(1, round(width * scale)), max(1, round(height * scale))

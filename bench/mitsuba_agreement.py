@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
-"""Compares converged images of Talbot and Mitsuba 3 (scalar_rgb or llvm_ad_rgb), block by block.
+"""Compares converged images of Talbot and Mitsuba 3, block by block.
 
-The scenes are glTF files whose materials are replaced, for both programs, by ones that both define alike: see VARIANTS. Several
-seeds of each give the means of 8x8 blocks and their variance. A scene agrees where 95 % of its blocks differ by less than 1 %,
-or by no more than noise explains (z below 4.5), and the mean by less than 0.3 %.
-Usage: mitsuba_agreement.py TALBOT [SCENE.gltf[:VARIANT]...] [--scenes DIR] [--scale S] [--spp N] [--seeds N] [--events N]
-[--variant NAME] [--json FILE] [--quick]. Exit code 0: all agree; 1: one does not; 77: Mitsuba is not installed (pip install
-mitsuba), nothing was compared.
+A scene is rendered as it is, by Mitsuba with the plugin of gltf_bsdf.py, which follows glTF's texts; normal maps are left out.
+With :VARIANT its materials are replaced, for both programs, by ones that Mitsuba's own models define alike: see VARIANTS. Several
+seeds of each program give the means of 8x8 blocks and their noise. A scene agrees where 95 % of its blocks differ by less
+than 1 % (sum over the channels of the differences over the sum of the values), or by no more than noise explains (z below 4.5),
+and the mean by less than 0.3 %.
+Usage: mitsuba_agreement.py TALBOT [SCENE.gltf[:VARIANT]...] [--scenes DIR] [--studio] [--environment FILE] [--native] [--size N]
+[--spp N] [--seeds N] [--events N] [--variant NAME] [--images DIR] [--json FILE] [--quick]. --studio adds scenes of its own, one a
+material; --environment lights the last scene of all once more. Exit code 0: all agree; 1: one does not; 77: Mitsuba is not
+installed (pip install mitsuba), nothing was compared.
 """
 import argparse
 import copy
@@ -78,93 +81,142 @@ VARIANTS = {
 }
 
 
+def as_it_is(material):
+    return {k: v for k, v in material.items() if k != "normalTexture"}
+
+
 def write_variant(scene, variant, folder):
     """The scene with its materials replaced, beside its buffers and images."""
     gltf = Gltf(scene)
     doc = copy.deepcopy(gltf.doc)
-    doc["materials"] = [VARIANTS[variant](m) for m in doc["materials"]]
-    used = sorted({name for m in doc["materials"] for name in m.get("extensions", {})})
+    doc["materials"] = [VARIANTS.get(variant, as_it_is)(m) for m in doc["materials"]]
+    used = sorted({name for m in doc["materials"] for name in m.get("extensions", {})} | set(doc.get("extensions", {})))
     doc["extensionsUsed"] = used
     for entry in doc["buffers"] + doc.get("images", []):
         source = gltf.path.parent / entry["uri"]
         (folder / source.name).write_bytes(source.read_bytes())
         entry["uri"] = source.name
-    file = folder / f"{gltf.path.stem}-{variant}.gltf"
+    file = folder / (f"{gltf.path.stem}-{variant}.gltf" if variant else gltf.path.name)
     file.write_text(json.dumps(doc))
     return file
 
 
 def blocks(image):
     h, w = image.shape[0] // BLOCK * BLOCK, image.shape[1] // BLOCK * BLOCK
-    return image[:h, :w].reshape(h // BLOCK, BLOCK, w // BLOCK, BLOCK, 3).mean((1, 3, 4))
+    return image[:h, :w].reshape(h // BLOCK, BLOCK, w // BLOCK, BLOCK, 3).mean((1, 3))
 
 
-def compare(args, file, folder):
+def write_images(folder, name, ours, theirs):
+    """Both images and their difference, red where Talbot is brighter, blue where it is darker, full at 5 %."""
+    scale = 0.8 / max(np.percentile(theirs, 98), 1e-9)
+    relative = smooth((ours - theirs).mean(2)) / np.maximum(smooth(theirs.mean(2)), 1e-3 / scale) / 0.05
+    signed = 1 - np.stack([np.clip(-relative, 0, 1), np.clip(np.abs(relative), 0, 1), np.clip(relative, 0, 1)], -1)
+    shown = np.concatenate([np.clip(ours * scale, 0, 1), np.clip(theirs * scale, 0, 1), signed ** 2.2], 1)
+    shown = np.repeat(np.repeat(shown, 4, 0), 4, 1).astype(np.float32)
+    mi.util.write_bitmap(str(pathlib.Path(folder) / f"{name}.png"), mi.Bitmap(shown), write_async=False)
+
+
+def smooth(image):
+    """Means of 4x4 neighbourhoods, spread over them."""
+    h, w = (n // 4 * 4 for n in image.shape)
+    return np.repeat(np.repeat(image[:h, :w].reshape(h // 4, 4, w // 4, 4).mean((1, 3)), 4, 0), 4, 1)
+
+
+def image_size(args, gltf):
+    """args.size pixels wide, whole blocks."""
+    width, height = gltf.size(1)
+    return args.size // BLOCK * BLOCK, max(BLOCK, round(args.size * height / width / BLOCK) * BLOCK)
+
+
+def compare(args, file, folder, oracle, environment):
     from mitsuba_scene import mitsuba_scene
     gltf = Gltf(file)
-    width, height = gltf.size(args.scale)
-    width, height = max(BLOCK, width // BLOCK * BLOCK), max(BLOCK, height // BLOCK * BLOCK)
-    scene = mitsuba_scene(gltf, width, height, args.events)
-    theirs, ours = [], []
+    width, height = image_size(args, gltf)
+    scene = mitsuba_scene(gltf, width, height, args.events, oracle, environment, "multijitter")
+    command = [args.talbot, file, "--frames", str(args.spp), "--size", f"{width}x{height}", "--max-depth", str(args.events), "--quiet"]
+    command += ["--environment", environment] if environment else []
+    images = {"theirs": [], "ours": []}
     for seed in range(args.seeds):
-        theirs.append(blocks(np.array(mi.render(scene, spp=args.spp, seed=seed), np.float64)))
+        images["theirs"].append(np.array(mi.render(scene, spp=args.spp, seed=seed), np.float64))
         out = folder / "image.pfm"
-        subprocess.run([args.talbot, file, "--frames", str(args.spp), "--size", f"{width}x{height}", "--seed", str(seed),
-                        "--max-depth", str(args.events), "--output", out, "--quiet"], check=True)
-        ours.append(blocks(read_pfm(out)))
-    theirs, ours = np.array(theirs), np.array(ours)
-    difference = ours.mean(0) - theirs.mean(0)
-    brightness = theirs.mean(0)
+        subprocess.run(command + ["--seed", str(seed), "--output", out], check=True)
+        images["ours"].append(read_pfm(out))
+    if args.images:
+        write_images(args.images, file.stem + ("-environment" if environment else ""), *(np.mean(images[n], 0) for n in ("ours", "theirs")))
+    theirs, ours = (np.array([blocks(image) for image in images[name]]) for name in ("theirs", "ours"))
+    brightness, difference = theirs.mean(0).mean(-1), ours.mean(0) - theirs.mean(0)
     # Few seeds give a poor variance per block, so it is pooled over blocks of like brightness: var = c mean^2 + d mean.
-    variance = (ours.var(0, ddof=1) + theirs.var(0, ddof=1)) / args.seeds
+    variance = (ours.mean(-1).var(0, ddof=1) + theirs.mean(-1).var(0, ddof=1)) / args.seeds
     design = np.stack([brightness.ravel() ** 2, brightness.ravel()], 1)
     fit, *_ = np.linalg.lstsq(design, variance.ravel(), rcond=None)
     pooled = np.maximum(np.maximum(design @ fit, 0).reshape(variance.shape), variance)
     lit = brightness > 1e-3 * brightness.max()
-    relative = np.abs(difference[lit]) / brightness[lit]
-    z = difference[lit] / np.sqrt(np.maximum(pooled[lit], 1e-30))
-    worst = np.unravel_index(np.argmax(np.where(lit, np.abs(difference) / np.sqrt(np.maximum(pooled, 1e-30)), 0)), lit.shape)
+    relative = np.abs(difference).mean(-1)[lit] / brightness[lit]
+    z = difference.mean(-1)[lit] / np.sqrt(np.maximum(pooled[lit], 1e-30))
+    noise = np.sqrt(pooled[lit]) / brightness[lit]
     ratio = float(ours.mean() / theirs.mean())
-    close = float((relative < RELATIVE_LIMIT).mean())
+    ratio_noise = float(np.sqrt(sum(a.mean((1, 2, 3)).var(ddof=1) / args.seeds for a in (ours, theirs))) / theirs.mean())
     explained = float(((relative < RELATIVE_LIMIT) | (np.abs(z) < Z_LIMIT)).mean())
-    return {"size": [width, height], "spp": args.spp, "seeds": args.seeds, "blocks": int(z.size), "within_1_percent": close,
-            "within_1_percent_or_noise": explained, "noise_percent": float(100 * np.median(np.sqrt(pooled[lit]) / brightness[lit])),
-            "rms_z": float(np.sqrt((z ** 2).mean())), "max_abs_z": float(np.abs(z).max()), "worst_block": [int(worst[1]), int(worst[0])],
-            "mean_ratio": ratio, "agrees": explained >= SHARE_LIMIT and abs(ratio - 1) <= MEAN_LIMIT}
+    far = np.where(lit, np.abs(difference).mean(-1) / np.maximum(brightness, 1e-30), 0)
+    worst = sorted(((float(far[y, x]), x, y) for y, x in np.argwhere(far > RELATIVE_LIMIT).tolist()), reverse=True)[:12]
+    return {"size": [width, height], "spp": args.spp, "seeds": args.seeds, "blocks": int(z.size),
+            "within_1_percent": float((relative < RELATIVE_LIMIT).mean()), "within_1_percent_or_noise": explained,
+            "noise_percent": float(100 * np.median(noise)), "median_difference_percent": float(100 * np.median(relative)),
+            "rms_z": float(np.sqrt((z ** 2).mean())), "max_abs_z": float(np.abs(z).max()), "mean_ratio": ratio,
+            "mean_ratio_noise": ratio_noise, "worst_blocks": [[x, y, round(100 * d, 2)] for d, x, y in worst],
+            "agrees": explained >= SHARE_LIMIT and abs(ratio - 1) <= MEAN_LIMIT + 3 * ratio_noise}
+
+
+def with_buffers(folder):
+    return [f for f in sorted(pathlib.Path(folder).glob("*.gltf")) if "uri\": \"data:" not in f.read_text()]
+
+
+def jobs_of(args, folder):
+    """(scene, variant, environment)"""
+    jobs = [(scene.partition(":")[0], scene.partition(":")[2], None) for scene in args.scene]
+    for file in with_buffers(args.scenes) if args.scenes else []:
+        jobs.append((str(file), "", None))
+        if args.native:
+            shiny = any(not is_lambert(m) and not is_lamp(m) for m in Gltf(file).doc["materials"])
+            jobs += [(str(file), variant, None) for variant in (VARIANTS if shiny else ["lambert"])]
+    if args.studio:
+        from agreement_scenes import write_scenes
+        jobs += [(str(file), "", None) for file in write_scenes(folder)]
+    if args.environment:
+        jobs.append((jobs[-1][0], "", args.environment))
+    return jobs
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("talbot")
     parser.add_argument("scene", nargs="*")
-    parser.add_argument("--scenes", help="a folder: its .gltf files with separate buffers, each in all variants that change it")
-    parser.add_argument("--scale", type=float, default=0.25)
-    parser.add_argument("--spp", type=int, default=256)
+    parser.add_argument("--scenes", help="a folder: its .gltf files with separate buffers")
+    parser.add_argument("--studio", action="store_true", help="scenes of its own, one a material")
+    parser.add_argument("--native", action="store_true", help="the folder's scenes also in all VARIANTS that change them")
+    parser.add_argument("--environment", help="an HDR image: the last scene once more")
+    parser.add_argument("--size", type=int, default=96, help="pixels of a row")
+    parser.add_argument("--spp", type=int, default=512)
     parser.add_argument("--seeds", type=int, default=6)
     parser.add_argument("--events", type=int, default=8, help="scattering events of a path")
-    parser.add_argument("--variant", default="scalar_rgb", help="of Mitsuba")
+    parser.add_argument("--variant", default="llvm_ad_rgb", help="of Mitsuba")
+    parser.add_argument("--images", help="a folder for both images and their difference, of each scene")
     parser.add_argument("--quick", action="store_true", help="few samples of small images")
     parser.add_argument("--json")
     args = parser.parse_args()
     if args.quick:
-        args.scale, args.spp, args.seeds = 0.125, 32, 3
+        args.size, args.spp, args.seeds = 48, 64, 3
     mi.set_variant(args.variant)
-    jobs = [(scene.partition(":")[0], scene.partition(":")[2] or "lambert") for scene in args.scene]
-    if args.scenes:
-        for file in sorted(pathlib.Path(args.scenes).glob("*.gltf")):
-            if "uri\": \"data:" in file.read_text():
-                continue
-            shiny = any(not is_lambert(m) and not is_lamp(m) for m in Gltf(file).doc["materials"])
-            jobs += [(str(file), variant) for variant in (VARIANTS if shiny else ["lambert"])]
     results = {}
-    print("| scene | within 1 % | or noise | noise of a block | rms z | max z | mean ratio | |\n|---|---|---|---|---|---|---|---|")
-    with tempfile.TemporaryDirectory() as name:
-        for scene, variant in jobs:
+    print("| scene | within 1 % | or noise | median difference | noise of a block | rms z | mean ratio | |\n|---|---|---|---|---|---|---|---|")
+    with tempfile.TemporaryDirectory() as name, tempfile.TemporaryDirectory() as own:
+        for scene, variant, environment in jobs_of(args, own):
             file = write_variant(scene, variant, pathlib.Path(name))
-            r = results[file.stem] = compare(args, file, pathlib.Path(name))
-            print(f"| {file.stem} | {100 * r['within_1_percent']:.1f} % | {100 * r['within_1_percent_or_noise']:.1f} % | "
-                  f"{r['noise_percent']:.2f} % | {r['rms_z']:.2f} | {r['max_abs_z']:.1f} | {r['mean_ratio']:.4f} | "
-                  f"{'agrees' if r['agrees'] else 'DISAGREES'} |", flush=True)
+            key = file.stem + (f" in {pathlib.Path(environment).stem}" if environment else "")
+            r = results[key] = compare(args, file, pathlib.Path(name), not variant, environment)
+            print(f"| {key} | {100 * r['within_1_percent']:.1f} % | {100 * r['within_1_percent_or_noise']:.1f} % | "
+                  f"{r['median_difference_percent']:.2f} % | {r['noise_percent']:.2f} % | {r['rms_z']:.2f} | "
+                  f"{r['mean_ratio']:.4f} +- {r['mean_ratio_noise']:.4f} | {'agrees' if r['agrees'] else 'DISAGREES'} |", flush=True)
             if args.json:
                 pathlib.Path(args.json).write_text(json.dumps({"mitsuba": mi.__version__, "scenes": results}, indent=1))
     return 0 if results and all(r["agrees"] for r in results.values()) else 1

@@ -4,8 +4,10 @@
 Every program is measured against its own converged image, with the same number of bounces and threads, no denoiser and no
 clamping. relMSE of one render is the variance between renders of other seeds, per pixel and channel, over r^2 + 0.01, with r
 the mean of all of them. A pilot finds the samples a pixel that come near the target; from there 1/N takes it to the target.
-Seconds are of sampling alone and for the size that the scene asks for, though a share of it is rendered (--scale).
-Usage: time_to_error.py TALBOT [SCENE.gltf...] [--scenes DIR] [--scale S] [--seeds N] [--most SPP] [--threads N] [--bounces N]
+Seconds are of sampling alone, for the size that the scene asks for, though a share of it is rendered (--scale): CPU seconds of
+all threads over their number, since wall-clock times of a machine that others use say more about them. The JSON file has both.
+The programs take turns, and a ratio is the median over the rounds.
+Usage: time_to_error.py TALBOT [SCENE.gltf...] [--scenes DIR] [--scale S] [--seeds N] [--most SPP] [--spp N] [--threads N] [--bounces N]
 [--mitsuba PYTHON] [--without NAME,...] [--json FILE] [--quick]. PYTHON is an interpreter that has Mitsuba 3.
 """
 import argparse
@@ -33,7 +35,7 @@ class Talbot:
     def __init__(self, args):
         self.args = args
 
-    def render(self, scene, seed, spp, scale, folder):
+    def run(self, scene, seed, spp, scale, folder):
         image, report = folder / "talbot.pfm", folder / "talbot.json"
         width, height = Gltf(scene).size(scale)
         # Cycles' count of bounces sees emission after one more scattering event.
@@ -41,7 +43,13 @@ class Talbot:
                         str(self.args.threads), "--max-depth", str(self.args.bounces + 1), "--seed", str(seed), "--output", image,
                         "--report", report, "--quiet"], check=True)
         run = json.loads(report.read_text())
-        return run["samples"] / run["seconds"]["render"], read_pfm(image)
+        return run["samples"], run["cpu_seconds"], run["seconds"]["render"], read_pfm(image)
+
+    def render(self, scene, seed, spp, scale, folder):
+        # The difference of two lengths is sampling alone, as for the others.
+        short, long = self.run(scene, seed, max(1, spp // 8), scale, folder), self.run(scene, seed, spp, scale, folder)
+        samples = long[0] - short[0]
+        return {"cpu": samples / (long[1] - short[1]) * self.args.threads, "wall": samples / (long[2] - short[2])}, long[3]
 
 
 def run_script(command, name):
@@ -49,7 +57,8 @@ def run_script(command, name):
     figures = re.search(r"^\{.*\}$", done.stdout, re.M)
     if done.returncode != 0 or not figures:
         raise SystemExit(f"{name} failed:\n{done.stdout[-1500:]}{done.stderr[-1500:]}")
-    return json.loads(figures.group(0))["samples_per_second"]
+    run = json.loads(figures.group(0))
+    return {"cpu": run["samples_per_cpu_second"] * run["threads"], "wall": run["samples_per_second"]}
 
 
 class Cycles:
@@ -90,7 +99,7 @@ def samples_for_target(args, program, scene, folder):
 
 def measure(args, programs, scene, folder):
     """Renders of all programs in turn; the variance of a few brightest paths makes single figures rough."""
-    spp = {name: samples_for_target(args, program, scene, folder) for name, program in programs.items()}
+    spp = {name: args.spp or samples_for_target(args, program, scene, folder) for name, program in programs.items()}
     images = {name: [] for name in programs}
     rates = {name: [] for name in programs}
     for seed in range(args.seeds):
@@ -102,19 +111,25 @@ def measure(args, programs, scene, folder):
     rows = {}
     for name in programs:
         error = relmse(images[name])
-        rate = float(np.median(rates[name]))
-        needed = spp[name] * error / TARGET
-        rows[name] = {"spp": spp[name], "relmse": error, "relmse_spp": error * spp[name], "samples_per_second": rate,
-                      "rates": rates[name], "mean": float(np.mean(images[name])), "seconds": width * height * needed / rate}
+        samples = width * height * spp[name] * error / TARGET
+        seconds = {clock: [samples / rate[clock] for rate in rates[name]] for clock in ("cpu", "wall")}
+        rows[name] = {"spp": spp[name], "relmse": error, "relmse_spp": error * spp[name], "mean": float(np.mean(images[name])),
+                      "samples_per_second": float(np.median([rate["cpu"] for rate in rates[name]])),
+                      "seconds": float(np.median(seconds["cpu"])), "rounds": seconds}
+    ours = rows["Talbot"]["rounds"]
+    for row in rows.values():
+        for clock, name in (("cpu", "ratio"), ("wall", "wall_ratio")):
+            row[name] = float(np.median([b / a for a, b in zip(ours[clock], row["rounds"][clock])]))
     return rows
 
 
 def print_table(results, names):
-    print("| scene | " + " | ".join(f"{n}: Msamples/s, relMSE x spp, seconds" for n in names) + " | ratios to Talbot |")
+    print("| scene | " + " | ".join(f"{n}: Msamples/s, relMSE x spp, seconds" for n in names) +
+          " | ratio of seconds to Talbot's (by wall clock) |")
     print("|---" * (len(names) + 2) + "|")
     for scene, rows in results.items():
-        cells = [f"{rows[n]['samples_per_second'] / 1e6:.2f}, {rows[n]['relmse_spp']:.3f}, {rows[n]['seconds']:.1f}" for n in names]
-        ratios = [f"{rows[n]['seconds'] / rows['Talbot']['seconds']:.1f}" for n in names[1:]]
+        cells = [f"{rows[n]['samples_per_second'] / 1e6:.2f}, {rows[n]['relmse_spp']:.3g}, {rows[n]['seconds']:.1f}" for n in names]
+        ratios = [f"{rows[n]['ratio']:.1f} ({rows[n]['wall_ratio']:.1f})" for n in names[1:]]
         print(f"| {scene} | " + " | ".join(cells) + " | " + ", ".join(ratios) + " |")
 
 
@@ -126,6 +141,7 @@ def main():
     parser.add_argument("--scale", type=float, default=0.5)
     parser.add_argument("--seeds", type=int, default=4)
     parser.add_argument("--most", type=int, default=256, help="samples a pixel that are not exceeded")
+    parser.add_argument("--spp", type=int, help="that many samples a pixel, without a pilot")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--bounces", type=int, default=8)
     parser.add_argument("--mitsuba", help="an interpreter that has Mitsuba 3; without it Mitsuba is left out")
