@@ -57,6 +57,8 @@ class RenderScene {
     }
     // Flags that occur anywhere.
     uint8_t any_coverage() const { return any_coverage_; }
+    // Whether any surface shines.
+    bool any_emissive() const { return any_emissive_; }
 
   private:
     // Coverage flags and, above them, the surface tier.
@@ -79,6 +81,7 @@ class RenderScene {
     std::vector<uint8_t> sphere_bits_;
     std::vector<AlphaLookup> instance_alpha_;
     uint8_t any_coverage_ = 0;
+    bool any_emissive_ = false;
 };
 
 }  // namespace talbot
