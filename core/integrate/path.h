@@ -137,7 +137,8 @@ template <EffectSet kTier, typename Recorder>
 void add_emission(const RenderScene& rs, const PathSettings& settings, const Ray& ray,
                   const Material& material, const SurfaceInteraction& si, PathState& path,
                   Recorder& recorder) {
-    if (!kTier.has(Effect::emissive_meshes) || !material.is_emissive()) return;
+    if constexpr (!kTier.has(Effect::emissive_meshes)) return;
+    if (!rs.any_emissive() || !material.is_emissive()) return;
     const UvSets uv = uv_sets(si);
     Rgb Le = emitted_radiance(rs.scene(), material, uv.first, uv.second, si.front,
                               std::abs(dot(ray.d, si.n_geometric)));
@@ -175,18 +176,18 @@ void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bo
     ++rays;
     if (is_occluded<kTier>(rs, sampler, bounce, shadow)) return;
     const float weight = light->delta ? 1.0f : power_heuristic(light->pdf, f.pdf);
-    Rgb through(1);
+    Rgb sent = path.beta * f.f_cos * light->radiance;
     if constexpr (kHasVolumes<kTier>) {
         // A light inside a volume; from outside of all the boundary itself is in the way.
-        if (!light->infinite) {
+        if ((path.in_medium || crossing) && !light->infinite) [[unlikely]] {
             const bool crosses = crossing && (dot(light->wi, si.n_geometric) > 0) != si.front;
             const Rgb sigma = crosses
                                   ? medium_inside(crossing->after, rs.scene().materials()).sigma_t
                                   : path.medium.sigma_t;
-            if (!is_black(sigma)) through = transmittance(sigma, length(light->target - si.p));
+            if (!is_black(sigma)) sent *= transmittance(sigma, length(light->target - si.p));
         }
     }
-    path.Li += path.beta * f.f_cos * light->radiance * through * (weight / light->pdf);
+    path.Li += sent * (weight / light->pdf);
 }
 
 // Next-event estimation where the path scatters inside a medium.
@@ -301,7 +302,7 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
     if constexpr (has_cones(kTier)) path.cone.advance(hit.t);
     std::optional<Crossing> crossing;  // where it bounds a volume
     if constexpr (kHasVolumes<kTier>) {
-        if (!path.medium.scatters() && !is_black(path.medium.sigma_t)) {
+        if (path.in_medium && !path.medium.scatters()) [[unlikely]] {
             Rgb left = transmittance(path.medium.sigma_t, hit.t);
             show_value(recorder, PathValue::transmittance, left);
             path.beta *= left;
@@ -455,7 +456,7 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         const bool found = intersect<kTier>(rs, sampler, bounce, ray, hit);
         if constexpr (Recorder::kActive) recorder.ray(bounce, ray, found, hit, path);
         if constexpr (kTier.has(Effect::scattering_medium)) {
-            if (path.medium.scatters()) {
+            if (path.in_medium && path.medium.scatters()) {
                 const MediumEvent event =
                     cross_medium<kTier>(rs, settings, sampler, bounce, found ? hit.t : kInfinity,
                                         ray, path, result.rays);

@@ -28,6 +28,7 @@ struct PathState {
     float wavelength = 0;           // nanometres; 0 until a dispersive surface is met
     MediumStack media;              // volumes that the ray is inside of
     Medium medium;                  // of the one that fills the space
+    bool in_medium = false;         // it takes away light
     uint32_t false_boundaries = 0;  // crossed ones that were no surfaces
     uint32_t medium_events = 0;     // times that the path scattered inside media
     RayCone cone;                   // at the ray's origin; in kernels with ray cones alone, the
@@ -37,6 +38,7 @@ struct PathState {
     void enter(const MediumStack& now, std::span<const Material> materials) {
         media = now;
         medium = medium_inside(now, materials);
+        in_medium = medium.scatters() || !is_black(medium.sigma_t);
     }
 };
 

@@ -55,6 +55,7 @@ RenderScene::RenderScene(std::shared_ptr<const Scene> scene, const RenderScene* 
     for (const Material& material : materials) {
         limits.push_back(coverage_limits(material));
         asked.push_back(material_effects(material) | forced_on);
+        any_emissive_ = any_emissive_ || material.is_emissive();
     }
     const auto tier_bits = [](EffectSet effects) {
         return static_cast<uint8_t>(smallest_surface_tier(effects) << kTierShift);

@@ -62,6 +62,8 @@ class RenderScene {
     }
     // Flags that occur anywhere.
     uint8_t any_coverage() const { return any_coverage_; }
+    // Whether any surface shines.
+    bool any_emissive() const { return any_emissive_; }
 
   private:
     // Coverage flags and, above them, the surface tier.
@@ -85,6 +87,7 @@ class RenderScene {
     std::vector<AlphaLookup> instance_alpha_;
     uint8_t any_coverage_ = 0;
     std::shared_ptr<const TexturePyramids> pyramids_;
+    bool any_emissive_ = false;
 };
 
 }  // namespace talbot
