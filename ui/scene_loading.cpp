@@ -24,8 +24,10 @@ bool has_light(const std::vector<PunctualLight>& lights, const Environment& envi
     if (!lights.empty() || environment.image || environment.gradient ||
         !is_black(environment.color))
         return true;
+    // An emissive texture of no more than unit strength is a glow: it lights no room.
     return std::any_of(materials.begin(), materials.end(), [](const Material& material) {
-        return material.is_emissive() || material.unlit;
+        const bool glows = material.emissive_texture.used() && !(material.emissive_strength > 1);
+        return (material.is_emissive() && !glows) || material.unlit;
     });
 }
 

@@ -45,7 +45,7 @@ Result<LoadedScene> load_scene(const std::filesystem::path& file, std::stop_toke
                                const LoadProgress& progress, const Environment& fallback,
                                unsigned threads);
 
-// Whether anything shines.
+// Whether anything shines that one sees by.
 bool has_light(const std::vector<PunctualLight>& lights, const Environment& environment,
                const std::vector<Material>& materials);
 

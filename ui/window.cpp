@@ -41,8 +41,14 @@ Result<std::unique_ptr<Window>> Window::open(PixelSize size, const std::string& 
     if (GLFWmonitor* monitor = glfwGetPrimaryMonitor()) {
         int x = 0, y = 0, width = 0, height = 0;
         glfwGetMonitorWorkarea(monitor, &x, &y, &width, &height);
-        if (width > 0 && height > 0)
-            size = {std::min(size.width, width), std::min(size.height, height)};
+        // The window grows by the monitor's scale.
+        float scale_x = 1, scale_y = 1;
+        glfwGetMonitorContentScale(monitor, &scale_x, &scale_y);
+        const auto fitting = [](int wanted, int room, float scale) {
+            return std::min(wanted, static_cast<int>(static_cast<float>(room) / scale));
+        };
+        if (width > 0 && height > 0 && scale_x > 0 && scale_y > 0)
+            size = {fitting(size.width, width, scale_x), fitting(size.height, height, scale_y)};
     }
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
