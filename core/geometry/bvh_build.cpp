@@ -54,7 +54,8 @@ class Builder {
         return builder;
     }
 
-    // Splits `range` into up to eight children, most promising first.
+    // Splits `range` into up to eight children, in the order of descending size: searches that any
+    // hit ends look at the last one first, and a small one answers soonest.
     std::vector<Range> split_wide(const Range& range, uint32_t depth) {
         std::vector<Range> children{range};
         children.reserve(kNodeWidth);
@@ -81,6 +82,8 @@ class Builder {
             children[best] = first;
             children.push_back(second);
         }
+        std::stable_sort(children.begin(), children.end(),
+                         [](const Range& a, const Range& b) { return a.size() > b.size(); });
         return children;
     }
 

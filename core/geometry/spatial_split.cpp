@@ -50,6 +50,22 @@ struct Slices {
     }
 };
 
+// The parts of a flat box would have as much surface together as the whole, so it is not cut: it
+// goes where its middle is.
+bool is_flat(const BuildPrimitive& p) {
+    return p.lower.x == p.upper.x || p.lower.y == p.upper.y || p.lower.z == p.upper.z;
+}
+
+// The first and the last slice of a primitive.
+std::pair<uint32_t, uint32_t> slices_of(const BuildPrimitive& p, const Slices& slices, int axis) {
+    if (is_flat(p)) {
+        const uint32_t middle = slices.first_of(0.5f * p.lower[axis] + 0.5f * p.upper[axis], axis);
+        return {middle, middle};
+    }
+    const uint32_t first = slices.first_of(p.lower[axis], axis);
+    return {first, slices.last_of(p.upper[axis], axis, first)};
+}
+
 struct Slice {
     Box box;
     uint64_t enter = 0;  // primitives whose first slice this is
@@ -89,8 +105,7 @@ void add_to_slices(std::span<const BuildPrimitive> primitives, const LoadTriangl
         for (int axis = 0; axis < 3; ++axis) {
             if (slices.scale[axis] == 0) continue;
             auto& row = rows[static_cast<size_t>(axis)];
-            const uint32_t begin = slices.first_of(p.lower[axis], axis);
-            const uint32_t last = slices.last_of(p.upper[axis], axis, begin);
+            const auto [begin, last] = slices_of(p, slices, axis);
             ++row[begin].enter;
             ++row[last].leave;
             Box rest = box_of(p);
@@ -208,8 +223,7 @@ bool partition_spatially(std::span<BuildPrimitive> primitives, const LoadTriangl
     uint64_t end = j;
     while (i < j) {
         BuildPrimitive& p = primitives[i];
-        const uint32_t begin = slices.first_of(p.lower[range.axis], range.axis);
-        const uint32_t last = slices.last_of(p.upper[range.axis], range.axis, begin);
+        const auto [begin, last] = slices_of(p, slices, range.axis);
         bool is_first = last < range.split_bin;
         if (!is_first && begin < range.split_bin) {
             Box parts[2];

@@ -89,15 +89,17 @@ HWY_INLINE uint32_t hit_boxes(const WideNode& node, const BoxRay& ray, float t_l
         const char* lower = reinterpret_cast<const char*>(node.plane[2 * axis]);
         return Boxes::load(reinterpret_cast<const float*>(lower + offset));
     };
-    Boxes enter = Boxes::set(0);
-    Boxes leave = Boxes::set(t_limit);
-    for (size_t i = 0; i < 3; ++i) {
-        enter = max(enter, mul_sub(plane(i, ray.near_plane[i]), Boxes::load(ray.reciprocal[i]),
-                                   Boxes::load(ray.near_offset[i])));
-        leave =
-            min(leave, mul_sub(plane(i, ray.near_plane[i] ^ BoxRay::kToUpper),
-                               Boxes::load(ray.far_reciprocal[i]), Boxes::load(ray.far_offset[i])));
-    }
+    const auto at_near = [&](size_t i) HWY_ATTR {
+        return mul_sub(plane(i, ray.near_plane[i]), Boxes::load(ray.reciprocal[i]),
+                       Boxes::load(ray.near_offset[i]));
+    };
+    const auto at_far = [&](size_t i) HWY_ATTR {
+        return mul_sub(plane(i, ray.near_plane[i] ^ BoxRay::kToUpper),
+                       Boxes::load(ray.far_reciprocal[i]), Boxes::load(ray.far_offset[i]));
+    };
+    // In pairs: what the next branch waits for is short.
+    const Boxes enter = max(max(Boxes::set(0), at_near(0)), max(at_near(1), at_near(2)));
+    const Boxes leave = min(min(Boxes::set(t_limit), at_far(0)), min(at_far(1), at_far(2)));
     enter.store(t_near);
     return less_equal(enter, leave).bits();
 }
