@@ -44,7 +44,7 @@ MeasuredRender::MeasuredRender(const AccuracyScene& scene, const RenderSettings&
       pool_(pool),
       view_(view_of(scene, settings, pool)),
       film_(settings.width, settings.height) {
-    tracker_.reset(scene.exposure_ev, 0, settings.adaptive);
+    tracker_.reset(scene.exposure_ev, 0, settings.adaptive && !view_.moves());
 }
 
 void MeasuredRender::render_unobserved(uint64_t samples) {
@@ -54,9 +54,7 @@ void MeasuredRender::render_unobserved(uint64_t samples) {
     const double cpu_start = process_cpu_seconds();
     std::stop_source stop;
     TileCounts counts;
-    render_pass({*view_.scene, view_.camera, settings_, view_.tier, samples, &tracker_.plan()},
-                film_, pool_, stop,
-                {}, counts);
+    render_pass(view_, settings_, samples, film_, pool_, stop, {}, counts, &tracker_.plan());
     seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
     cpu_seconds_ += process_cpu_seconds() - cpu_start;
     rays_ += counts.rays;
