@@ -55,7 +55,7 @@ inline Film render_view(const PreparedView& view, const RenderSettings& settings
     Film film(settings.width, settings.height);
     std::stop_source stop;
     TileCounts counts;
-    render_pass(moments, settings, passes, nullptr, film, pool, stop, {}, counts);
+    render_pass(moments, settings, passes, film, pool, stop, {}, counts);
     return film;
 }
 

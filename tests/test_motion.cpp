@@ -85,7 +85,7 @@ Film render(const std::shared_ptr<const Scene>& scene, const RenderSettings& set
     Film film(settings.width, settings.height);
     std::stop_source stop;
     TileCounts counts;
-    EXPECT_TRUE(render_pass(view, settings, passes, nullptr, film, pool, stop, {}, counts));
+    EXPECT_TRUE(render_pass(view, settings, passes, film, pool, stop, {}, counts));
     return film;
 }
 

@@ -205,7 +205,9 @@ void draw_accuracy_panel(const Snapshot* snapshot, ViewerModel& model, Edits& ed
     if (error.valid && error.octaves.size() > 1) {
         ImGui::TextWrapped("This view converges as t^%.2f.", -0.5 * error.seconds_exponent);
     } else {
-        ImGui::TextDisabled("How fast this view converges is not known yet.");
+        ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+        ImGui::TextWrapped("%s", "How fast this view converges is not known yet.");
+        ImGui::PopStyleColor();
     }
     draw_target(error, seconds_now, model);
     bool shows_blocks = model.look.aov == Aov::block_error;

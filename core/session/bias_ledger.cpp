@@ -40,7 +40,7 @@ class SmallView {
             const std::stop_callback ask(stop_, [&stop] { stop.request_stop(); });
             TileCounts counts;
             const auto start = std::chrono::steady_clock::now();
-            if (!render_pass(view_, settings, n, nullptr, side.film, pool_, stop, {}, counts))
+            if (!render_pass(view_, settings, n, side.film, pool_, stop, {}, counts))
                 return std::nullopt;
             seconds +=
                 std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -48,7 +48,7 @@ class Contender {
         std::stop_source stop;
         const std::stop_callback pass_on(asked, [&stop] { stop.request_stop(); });
         TileCounts counts;
-        render_pass(view_, settings_, samples, nullptr, film_, pool, stop, {}, counts);
+        render_pass(view_, settings_, samples, film_, pool, stop, {}, counts);
     }
     const Film& film() const { return film_; }
     const PreparedView& view() const { return view_.view(); }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/base/check.h"
+
 namespace talbot {
 namespace {
 
@@ -71,17 +73,19 @@ bool render_pass(const RenderPass& pass, Film& film, WorkerPool& pool, std::stop
 }
 
 bool render_pass(ViewMoments& view, const RenderSettings& settings, uint64_t target_samples,
-                 const SamplingPlan* plan, Film& film, WorkerPool& pool, std::stop_source& stop,
-                 const std::function<bool()>& out_of_time, TileCounts& counts) {
+                 Film& film, WorkerPool& pool, std::stop_source& stop,
+                 const std::function<bool()>& out_of_time, TileCounts& counts,
+                 const SamplingPlan* plan) {
     const std::stop_token token = stop.get_token();
+    TALBOT_DCHECK(plan == nullptr || plan->empty() || !view.moves());
     uint64_t done = view.moves() ? film.min_samples() : target_samples - 1;
     while (done < target_samples) {
         const PreparedView* at = view.at(settings.first_sample + done, settings, pool, token);
         if (!at) return false;
         ++done;
-        const RenderPass pass{*at->scene, at->camera, settings,
-                              at->tier,   done,       view.moves() ? nullptr : plan};
-        if (!render_pass(pass, film, pool, stop, out_of_time, counts)) return false;
+        if (!render_pass({*at->scene, at->camera, settings, at->tier, done, plan}, film, pool, stop,
+                         out_of_time, counts))
+            return false;
     }
     return true;
 }

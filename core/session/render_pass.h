@@ -19,7 +19,8 @@ struct RenderPass {
     const RenderSettings& settings;
     std::size_t tier = 0;
     uint64_t target_samples = 0;  // every pixel is brought up to this count,
-    const SamplingPlan* plan = nullptr;  // or, with a plan, to what its block has after so many passes
+    // or, with a plan, to what its block has after so many passes.
+    const SamplingPlan* plan = nullptr;
 };
 
 // Adds to `counts`; returns whether every tile was finished. `out_of_time`, where given, is asked
@@ -28,9 +29,10 @@ bool render_pass(const RenderPass& pass, Film& film, WorkerPool& pool, std::stop
                  const std::function<bool()>& out_of_time, TileCounts& counts);
 
 // The same of a view that may move: then sample by sample, from the film's least count on, and
-// without a plan, for blocks would be at other moments than their neighbours.
+// without a plan, for all pixels of a sample see the same moment.
 bool render_pass(ViewMoments& view, const RenderSettings& settings, uint64_t target_samples,
-                 const SamplingPlan* plan, Film& film, WorkerPool& pool, std::stop_source& stop,
-                 const std::function<bool()>& out_of_time, TileCounts& counts);
+                 Film& film, WorkerPool& pool, std::stop_source& stop,
+                 const std::function<bool()>& out_of_time, TileCounts& counts,
+                 const SamplingPlan* plan = nullptr);
 
 }  // namespace talbot

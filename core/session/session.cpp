@@ -293,8 +293,8 @@ class RenderSession::Impl {
                 return spent_seconds() + seconds_since(start) > policy_.time_limit_seconds;
             };
         }
-        return talbot::render_pass(view_, settings_, target, plan, film, *pool_, work_stop_,
-                                   out_of_time, counts);
+        return talbot::render_pass(view_, settings_, target, film, *pool_, work_stop_, out_of_time,
+                                   counts, plan);
     }
 
     void render_preview(uint32_t divisor) {
