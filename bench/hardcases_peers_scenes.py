@@ -73,14 +73,14 @@ class Builder:
         self.doc["nodes"].append({"translation": list(at),
                                   "extensions": {SURFACE: {"shape": len(shapes) - 1, "material": material}}})
 
-    def sun(self, direction, irradiance):
-        """Light travels along `direction`."""
+    def sun(self, direction):
+        """Light travels along `direction`. Blender takes 683 lux for a watt, and leaves out chance by chance what is dim."""
         self.use("KHR_lights_punctual")
         d = np.array(direction, float) / np.linalg.norm(direction)
         axis, w = np.cross([0, 0, -1], d), 1 - d[2]  # the rotation that takes -z there
         q = np.append(axis, w) / math.hypot(np.linalg.norm(axis), w)
         lights = self.doc.setdefault("extensions", {}).setdefault("KHR_lights_punctual", {"lights": []})["lights"]
-        lights.append({"type": "directional", "intensity": irradiance})
+        lights.append({"type": "directional", "intensity": 2049})
         self.doc["nodes"].append({"rotation": q.tolist(), "extensions": {"KHR_lights_punctual": {"light": len(lights) - 1}}})
 
     def camera(self, eye, pitch, yfov, near=0.01, far=1e3):
@@ -118,7 +118,7 @@ def lit_ball(size, stacks, elevation):
     b = Builder(size)
     b.ball(stacks, 2 * stacks, b.diffuse(0.8))
     e = math.radians(elevation)
-    b.sun((-math.cos(e), -math.sin(e), -0.3), 3)
+    b.sun((-math.cos(e), -math.sin(e), -0.3))
     b.camera((0, 0, 8), 0, 0.3)
     return b
 
@@ -131,7 +131,7 @@ def ground(size, radius):
         b.level(400, grey)
     else:
         b.sphere(radius, grey, (0, -radius, 0))
-    b.sun((-0.6, -0.35, -0.2), 3)
+    b.sun((-0.6, -0.35, -0.2))
     b.camera((0, 1.7, 0), -0.5, 0.6)
     return b
 
@@ -140,6 +140,6 @@ def distant_ball(size, distance):
     """A sphere of radius 1 under a sun, filling the view from that many radii away."""
     b = Builder(size)
     b.sphere(1, b.diffuse(0.5), (0, 0, 0))
-    b.sun((-0.6, -0.5, -0.4), 3)
+    b.sun((-0.6, -0.5, -0.4))
     b.camera((0, 0, distance), 0, 2 * math.atan(1.2 / distance), 0.1 * distance, 10 * distance)
     return b

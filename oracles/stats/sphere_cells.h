@@ -124,8 +124,8 @@ class SphereCells {
     }
 
     template <typename F>
-    double refine(const Patch& p, double coarse, const F& f, double tolerance, int least,
-                  int depth, int max_depth) const {
+    double refine(const Patch& p, double coarse, const F& f, double tolerance, int least, int depth,
+                  int max_depth) const {
         const double theta = 0.5 * (p.theta0 + p.theta1);
         const double phi = 0.5 * (p.phi0 + p.phi1);
         const std::array<Patch, 4> parts{
