@@ -3,7 +3,9 @@
 add_library(talbot_flags INTERFACE)
 target_compile_options(talbot_flags INTERFACE
     -Wall -Wextra -Wconversion -Wshadow -Werror
-    -ffp-contract=off -fno-math-errno -fno-trapping-math)
+    -ffp-contract=off -fno-math-errno -fno-trapping-math
+    # clang++ asks std::array for braces that C++ does not.
+    $<$<CXX_COMPILER_ID:Clang>:-Wno-missing-braces>)
 target_include_directories(talbot_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_definitions(talbot_flags INTERFACE TALBOT_VERSION="${PROJECT_VERSION}")
 if(CMAKE_BUILD_TYPE STREQUAL "Debug")

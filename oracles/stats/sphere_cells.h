@@ -50,15 +50,16 @@ class SphereCells {
 
     // Integral of f(direction) over one cell, to about `tolerance` wherever f has no more than
     // jumps along curves. Cells that the plane z = 0 cuts are refined in any case: a sliver on one
-    // side of it could lie between all nodes.
+    // side of it could lie between all nodes. A jump is followed through max_depth halvings.
     template <typename F>
-    double integrate(std::size_t cell, const F& f, double tolerance) const {
+    double integrate(std::size_t cell, const F& f, double tolerance, int max_depth = 6) const {
         const std::size_t ring = cell / static_cast<std::size_t>(sectors_);
         const auto sector = static_cast<double>(cell % static_cast<std::size_t>(sectors_));
         const double step = 2 * std::numbers::pi / sectors_;
         const Patch patch{edges_[ring], edges_[ring + 1], -std::numbers::pi + sector * step,
                           -std::numbers::pi + (sector + 1) * step};
-        return refine(patch, gauss(patch, f), f, tolerance, crosses_horizon(patch) ? 3 : 0, 0);
+        return refine(patch, gauss(patch, f), f, tolerance, crosses_horizon(patch) ? 3 : 0, 0,
+                      max_depth);
     }
 
     // Integral over the whole sphere. mirrored: f has the same values on both sides of the xz
@@ -75,8 +76,6 @@ class SphereCells {
     }
 
   private:
-    static constexpr int kMaxDepth = 6;
-
     struct Patch {
         double theta0, theta1, phi0, phi1;
     };
@@ -125,8 +124,8 @@ class SphereCells {
     }
 
     template <typename F>
-    double refine(const Patch& p, double coarse, const F& f, double tolerance, int least,
-                  int depth) const {
+    double refine(const Patch& p, double coarse, const F& f, double tolerance, int least, int depth,
+                  int max_depth) const {
         const double theta = 0.5 * (p.theta0 + p.theta1);
         const double phi = 0.5 * (p.phi0 + p.phi1);
         const std::array<Patch, 4> parts{
@@ -135,11 +134,11 @@ class SphereCells {
         std::array<double, 4> fine{};
         double sum = 0;
         for (std::size_t k = 0; k < 4; ++k) sum += fine[k] = gauss(parts[k], f);
-        if (depth >= kMaxDepth || (depth >= least && std::abs(sum - coarse) <= tolerance))
+        if (depth >= max_depth || (depth >= least && std::abs(sum - coarse) <= tolerance))
             return sum;
         double refined = 0;
         for (std::size_t k = 0; k < 4; ++k)
-            refined += refine(parts[k], fine[k], f, 0.5 * tolerance, least, depth + 1);
+            refined += refine(parts[k], fine[k], f, 0.5 * tolerance, least, depth + 1, max_depth);
         return refined;
     }
 

@@ -98,7 +98,7 @@ SceneDesc stage() {
 CaseResult run(Effort effort) {
     CaseResult result;
     double naive_bad = 0;
-    const double own = miscounted(effort == Effort::full ? 200000000 : 20000000, naive_bad);
+    const double own = miscounted(effort == Effort::full ? 60000000 : 20000000, naive_bad);
     result.measures.push_back({"faults of 12 kinds and channels, 1 in 1e6, that counters miss",
                                naive_bad, own, 0, Gate::at_most, ""});
 

@@ -57,7 +57,9 @@ float girard(const TriangleView& view) {
     return angle(ab, ca) + angle(bc, ab) + angle(ca, bc) - kPi;
 }
 
-// How far a point's barycentric weights lie outside [0, 1], the point dropped onto the plane.
+// How far a point's barycentric weights lie outside [0, 1], the point dropped onto the plane,
+// beyond what rounding its coordinates to float moves them: half a unit in the last place of each,
+// over the height of the triangle.
 Real outside(const Light& light, const Vec3f& point) {
     const RealVec e1(light.e1), e2(light.e2);
     const RealVec v = RealVec(point) - RealVec(light.p0);
@@ -67,7 +69,13 @@ Real outside(const Light& light, const Vec3f& point) {
     const Real b2 = glm::dot(glm::cross(e1, v), n) / square;
     Real worst = 0;
     for (const Real b : {1 - b1 - b2, b1, b2}) worst = std::max({worst, -b, b - 1});
-    return worst;
+    const auto moved_by = [&](const RealVec& gradient) {
+        return 0x1p-24L * glm::dot(glm::abs(gradient), glm::abs(RealVec(point)));
+    };
+    const RealVec by_b1 = glm::cross(e2, n) / square;
+    const RealVec by_b2 = glm::cross(n, e1) / square;
+    return std::max<Real>(
+        0, worst - std::max({moved_by(by_b1), moved_by(by_b2), moved_by(by_b1 + by_b2)}));
 }
 
 // The numbers that Arvo's map sends to the direction.

@@ -66,7 +66,8 @@ struct Lamp {
     }
 };
 
-// Largest difference between the three estimators in units of its standard error.
+// Largest difference between the three estimators in units of its standard error. Of what light
+// sampling can find: mirrored lamps are left to BSDF sampling alone (S11).
 template <typename Surface>
 double disagreement(const Surface& bsdf, const Lamp& lamp, int draws, uint64_t seed) {
     stats::Random random(case_seed(seed));
@@ -86,7 +87,7 @@ double disagreement(const Surface& bsdf, const Lamp& lamp, int draws, uint64_t s
         by_light.add(value);
         value = 0;
         const float u_lobe = random();
-        if (const auto s = bsdf.sample(u_lobe, random.pair())) {
+        if (const auto s = bsdf.sample(u_lobe, random.pair()); s && !s->delta) {
             const float pdf = lamp.pdf(s->wi);
             if (pdf > 0) {
                 value = static_cast<double>(s->weight.y);
