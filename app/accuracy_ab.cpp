@@ -84,9 +84,9 @@ Status check_same_view(const Options& base, const Options& side, const std::stri
                             o.variant + '\n' + o.environment;
         for (const double x :
              {static_cast<double>(o.environment_rotation), o.animation_time.value_or(-1),
-              o.light_reading.sun_degrees.value_or(-1),
-              static_cast<double>(o.light_reading.units),
-              o.orbit ? o.orbit->radius : 0.0, static_cast<double>(o.size ? o.size->width : 0),
+              o.shutter_seconds, o.light_reading.sun_degrees.value_or(-1),
+              static_cast<double>(o.light_reading.units), o.orbit ? o.orbit->radius : 0.0,
+              static_cast<double>(o.size ? o.size->width : 0),
               static_cast<double>(o.size ? o.size->height : 0)})
             words += '\n' + std::to_string(x);
         return words;

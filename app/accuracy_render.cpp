@@ -54,8 +54,7 @@ void MeasuredRender::render_unobserved(uint64_t samples) {
     const double cpu_start = process_cpu_seconds();
     std::stop_source stop;
     TileCounts counts;
-    render_pass({*view_.scene, view_.camera, settings_, view_.tier, samples}, film_, pool_, stop,
-                {}, counts);
+    render_pass(view_, settings_, samples, film_, pool_, stop, {}, counts);
     seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
     cpu_seconds_ += process_cpu_seconds() - cpu_start;
     rays_ += counts.rays;

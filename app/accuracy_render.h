@@ -8,7 +8,7 @@
 #include "app/scene_setup.h"
 #include "core/accuracy/calibration.h"
 #include "core/base/worker_pool.h"
-#include "core/session/prepared_view.h"
+#include "core/session/view_moments.h"
 
 namespace talbot {
 
@@ -45,7 +45,7 @@ class MeasuredRender {
     const AccuracyScene& scene_;
     const RenderSettings settings_;
     WorkerPool& pool_;
-    const PreparedView view_;
+    ViewMoments view_;
     Film film_;
     ErrorTracker tracker_;
     uint64_t samples_ = 0;

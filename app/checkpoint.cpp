@@ -49,6 +49,7 @@ std::string first_difference(const std::string& a, const std::string& b) {
 std::string sample_settings(const Scene& scene, const Camera& camera,
                             const RenderSettings& settings) {
     SettingsText text;
+    text.word("reading", scene.reading().empty() ? "none" : scene.reading());
     text.whole("max_depth", settings.max_depth);
     text.whole("sampler", static_cast<uint64_t>(settings.sampler));
     text.whole("filter", static_cast<uint64_t>(settings.filter));

@@ -166,6 +166,8 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
     app.add_option("--variant", o.variant, "material variant by name");
     app.add_option("--animation-time", o.animation_time,
                    "seconds into the animations; default the rest pose");
+    app.add_option("--shutter", o.shutter_seconds,
+                   "motion blur: seconds of the animations, from --animation-time (default 0) on");
     app.add_option("--environment", o.environment, "FILE.hdr, FILE.exr or a colour R,G,B");
     app.add_option("--environment-rotation", o.environment_rotation,
                    "degrees, counter-clockwise seen from +Y");
@@ -270,6 +272,8 @@ Status convert_numbers(const RawOptions& raw, Options& o) {
     const auto positive = [](const std::optional<double>& value) {
         return !value || (std::isfinite(*value) && *value > 0);
     };
+    if (!(o.shutter_seconds >= 0) || !std::isfinite(o.shutter_seconds))
+        return usage_error("--shutter", "must be a number of seconds, 0 or more");
     if (!positive(o.time_seconds)) return usage_error("--time", "must be above 0 seconds");
     if (!positive(o.target_error_percent))
         return usage_error("--target-error", "must be above 0 per cent");

@@ -47,6 +47,7 @@ struct Options {
     std::string scene_name;
     std::string variant;
     std::optional<double> animation_time;
+    double shutter_seconds = 0;  // motion blur
     std::string environment;
     float environment_rotation = 0;
     LightReading light_reading;

@@ -4,8 +4,7 @@
 
 #include "app/exit_code.h"
 #include "app/scene_setup.h"
-#include "core/integrate/replay.h"
-#include "core/session/prepared_view.h"
+#include "core/session/retrace.h"
 
 namespace talbot {
 
@@ -22,12 +21,11 @@ int run_replay(const Options& options) {
                   std::to_string(settings.height));
         return kExitUsage;
     }
-    enter_worker_float_mode();
-    const PreparedView view = prepare_view(setup->scene, setup->camera, settings, pool);
-    const CameraRays camera(view.camera, setup->scene->origin(), settings.width, settings.height,
-                            setup->scene->geometry().bounds);
-    const std::string log = replay_sample(*view.scene, camera, path_settings(settings), options.pixel->x,
-                                          options.pixel->y, options.sample);
+    Retracer retracer;
+    const std::string log = retracer
+                                .path(setup->scene, setup->camera, settings, options.pixel->x,
+                                      options.pixel->y, options.sample)
+                                .log;
     std::fwrite(log.data(), 1, log.size(), stdout);
     return kExitDone;
 }

@@ -118,7 +118,11 @@ std::string run_record_json(const RunRecord& record) {
     ordered_json j;
     j["schema"] = "talbot-run/1";
     j["version"] = TALBOT_VERSION;
-    j["scene"] = {{"file", s.scene->file()}, {"sha256", s.scene->sha256()}};
+    j["scene"] = {{"file", s.scene->file()},
+                  {"sha256", s.scene->sha256()},
+                  {"reading", s.scene->reading()}};
+    if (const SceneMotion* motion = s.scene->motion().get())
+        j["shutter"] = {{"open", motion->open}, {"seconds", motion->shutter}};
     j["environment"] = environment_json(s.scene->environment());
     j["size"] = {s.full_width, s.full_height};
     j["camera"] = camera_json(s.camera);

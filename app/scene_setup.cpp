@@ -7,6 +7,7 @@
 
 #include "core/base/log.h"
 #include "core/io/image_io.h"
+#include "core/io/scene_motion.h"
 #include "core/math/robust.h"
 #include "ui/data_path.h"
 
@@ -104,13 +105,20 @@ Result<Camera> choose_camera(const Options& options, const Scene& scene) {
                           : known + " (or an index below " + std::to_string(cameras.size()) + ")")};
 }
 
-Result<SceneDesc> load_scene(const Options& options, std::shared_ptr<GltfFile>* kept) {
+LoadOptions load_options(const Options& options) {
     LoadOptions load;
     load.scene = options.scene_name;
     load.variant = options.variant;
     load.animation_time = options.animation_time;
+    load.shutter_seconds = options.shutter_seconds;
+    if (load.shutter_seconds > 0 && !load.animation_time) load.animation_time = 0;
     load.threads = options.threads;
     load.lights = options.light_reading;
+    return load;
+}
+
+Result<SceneDesc> load_scene(const Options& options, std::shared_ptr<GltfFile>* kept) {
+    const LoadOptions load = load_options(options);
     Result<std::shared_ptr<GltfFile>> file = GltfFile::open(scene_path(options), load);
     if (!file) return file.error();
     Result<SceneDesc> desc = (*file)->read(load);
@@ -138,6 +146,10 @@ Result<SceneSetup> set_up_scene(const Options& options, WorkerPool& pool) {
     SceneBuildOptions build;
     build.quality = choose_quality(options, *desc);
     setup.scene = Scene::build(std::move(*desc), pool, build);
+    Result<std::shared_ptr<const Scene>> moving =
+        set_in_motion(setup.scene, setup.file, load_options(options));
+    if (!moving) return moving.error();
+    setup.scene = std::move(*moving);
     setup.build_seconds = seconds_since(build_start);
     Result<Camera> camera = choose_camera(options, *setup.scene);
     if (!camera) return camera.error();

@@ -27,6 +27,7 @@ SceneChoice choice_of(const Options& options, const GltfFile& file) {
     }
     if (!options.variant.empty()) choice.variant = index_of(choices.variants, options.variant);
     choice.seconds = options.animation_time;
+    choice.shutter = options.shutter_seconds;
     return choice;
 }
 

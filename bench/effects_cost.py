@@ -48,8 +48,9 @@ SOURCES = {
     "depth_of_field": ["core/scene/camera.cpp"],
 }
 # Nothing to remove: kernels without glossy reflection are the matte one, which other rooms take; and lights are chosen by one
-# routine, however many there are.
-WITHOUT_CODE = {"glossy": "absent from the matte kernel", "many_lights": "no code of its own"}
+# routine, however many there are; and kernels see a scene at rest.
+WITHOUT_CODE = {"glossy": "absent from the matte kernel", "many_lights": "no code of its own",
+                "motion": "no code in any kernel: the scene is set to a moment between passes"}
 
 
 def run(command, **options):

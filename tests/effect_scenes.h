@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "core/session/prepared_view.h"
+#include "core/session/render_pass.h"
 #include "oracles/scene_builder.h"
 
 namespace talbot {
@@ -51,17 +51,11 @@ inline Mesh textured_quad(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
 // The film of a view as the settings ask, first whole passes from sample 0.
 inline Film render_view(const PreparedView& view, const RenderSettings& settings, uint64_t passes,
                         WorkerPool& pool) {
-    const CameraRays rays(view.camera, view.given->origin(), settings.width, settings.height,
-                          Bounds{});
-    const PathSettings path = path_settings(settings);
+    ViewMoments moments(view);
     Film film(settings.width, settings.height);
-    std::vector<TileCounts> counts(pool.size());
-    pool.parallel_for(settings.height, [&](uint64_t row, unsigned worker) {
-        const auto y = static_cast<uint32_t>(row);
-        const TileJob job{view.scene.get(), &rays, &path, &film,          0,
-                          passes,           0,     y,     settings.width, y + 1};
-        tile_kernel(view.tier)(job, {}, counts[worker]);
-    });
+    std::stop_source stop;
+    TileCounts counts;
+    render_pass(moments, settings, passes, film, pool, stop, {}, counts);
     return film;
 }
 
@@ -80,6 +74,7 @@ inline Material effect_material(Effect effect, SceneDesc& desc) {
         case Effect::second_uv:
         case Effect::base_color_texture:
         case Effect::depth_of_field:
+        case Effect::motion:
             m.base_color_texture = checkers();
             if (effect == Effect::second_uv) m.base_color_texture.uv_set = 1;
             if (effect == Effect::uv_transform) {
@@ -195,6 +190,24 @@ inline Mesh fine_grid() {
 
 }  // namespace detail
 
+// The scene in motion for a second, in which all that is in it goes half a metre to the right.
+inline std::shared_ptr<const Scene> sweep(const SceneDesc& desc, WorkerPool& pool) {
+    SceneMotion motion;
+    motion.shutter = 1;
+    motion.witness = "everything";
+    motion.materials = desc.materials;
+    motion.lights = desc.lights;
+    motion.moment = [desc](double seconds, WorkerPool& workers, std::shared_ptr<const Scene>,
+                           const std::stop_token&) {
+        SceneDesc moved = desc;
+        for (MeshInstance& instance : moved.instances)
+            instance.world_from_object[3].x += 0.5 * seconds;
+        return Scene::build(std::move(moved), workers);
+    };
+    return Scene::build(desc, pool)->with_motion(
+        std::make_shared<const SceneMotion>(std::move(motion)));
+}
+
 // A wall in front of the camera, lit from above and from behind, before a dim coloured sky.
 inline EffectScene make_effect_scene(Effect effect, WorkerPool& pool) {
     SceneBuilder builder;
@@ -249,7 +262,7 @@ inline EffectScene make_effect_scene(Effect effect, WorkerPool& pool) {
         light.color = i == 0 ? Rgb(1, 0.9f, 0.8f) : Rgb(0.2f, 0.4f, 1);
         builder.light(light);
     }
-    made.scene = builder.build(pool);
+    made.scene = effect == Effect::motion ? sweep(builder.desc(), pool) : builder.build(pool);
     return made;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/io/gltf_loader.h"
+#include "core/io/scene_motion.h"
 
 namespace talbot {
 namespace {
@@ -82,6 +83,8 @@ Result<RereadScene> reread_scene(const std::shared_ptr<GltfFile>& file, const Sc
     if (choice.variant && *choice.variant < choices.variants.size())
         options.variant = choices.variants[*choice.variant];
     options.animation_time = choice.seconds;
+    options.shutter_seconds = choice.shutter;
+    if (choice.shutter > 0 && !choice.seconds) options.animation_time = 0;
     Result<SceneDesc> desc = file->read(options);
     if (!desc) return desc.error();
     desc->environment = environment;
@@ -94,6 +97,10 @@ Result<RereadScene> reread_scene(const std::shared_ptr<GltfFile>& file, const Sc
     RereadScene reread;
     reread.loaded.scene = Scene::build(std::move(*desc), pool, build);
     if (!reread.loaded.scene) return Error{ErrorKind::cancelled, name, "", "loading was cancelled"};
+    Result<std::shared_ptr<const Scene>> moving =
+        set_in_motion(reread.loaded.scene, file, options);
+    if (!moving) return moving.error();
+    reread.loaded.scene = std::move(*moving);
     reread.loaded.camera = first_camera(*reread.loaded.scene);
     reread.loaded.file = file;
     reread.loaded.choice = choice;

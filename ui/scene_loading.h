@@ -18,6 +18,7 @@ struct SceneChoice {
     std::size_t scene = 0;
     std::optional<std::size_t> variant;  // empty: the file's own materials
     std::optional<double> seconds;       // of the animations; empty: the rest pose
+    double shutter = 0;                  // motion blur: seconds of the animations from then on
 
     bool operator==(const SceneChoice&) const = default;
 };

@@ -57,6 +57,11 @@ void draw_animations(ViewerModel& model, const GltfChoices& choices) {
         model.choice.seconds = std::clamp(seconds, start, length);
         model.playing = false;
     }
+    begin_row("Shutter", "Motion blur: how long of the animations the shutter is open.");
+    const double closed = 0;
+    ImGui::SliderScalar("##shutter", ImGuiDataType_Double, &model.choice.shutter, &closed, &length,
+                        model.choice.shutter > 0 ? "%.3f s" : "no motion blur",
+                        ImGuiSliderFlags_Logarithmic);
     for (const GltfAnimation& animation : choices.animations)
         ImGui::TextDisabled("%s, %.3g s", animation.name.c_str(), animation.seconds);
 }

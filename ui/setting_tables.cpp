@@ -253,6 +253,18 @@ std::span<const Parameter<ViewerModel>> scene_parameters() {
              m.choice.seconds.reset();
              if (v[0] >= 0 && m.choices().last_key() > 0) m.choice.seconds = v[0];
          }},
+        {{.name = "shutter_seconds",
+          .label = "Shutter",
+          .unit = "s",
+          .lower = 0,
+          .upper = kLongestAnimation,
+          .slider_lower = 0,
+          .slider_upper = 1,
+          .note = "Motion blur: how long of the animations the shutter is open."},
+         [](const ViewerModel& m) { return ParameterValue{m.choice.shutter}; },
+         [](ViewerModel& m, const ParameterValue& v) {
+             m.choice.shutter = m.choices().last_key() > 0 ? v[0] : 0;
+         }},
         {{.name = "playing", .label = "Playing", .kind = Kind::flag},
          [](const ViewerModel& m) { return ParameterValue{m.playing ? 1.0 : 0.0}; },
          [](ViewerModel& m, const ParameterValue& v) {

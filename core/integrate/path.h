@@ -9,14 +9,13 @@
 
 #include "core/geometry/force_inline.h"
 #include "core/integrate/coverage.h"
-#include "core/integrate/medium_stack.h"
+#include "core/integrate/path_state.h"
 #include "core/integrate/pixel_filter.h"
 #include "core/integrate/sampler.h"
 #include "core/integrate/tiers.h"
 #include "core/scattering/bsdf.h"
 #include "core/scattering/dispersion.h"
 #include "core/scattering/henyey_greenstein.h"
-#include "core/scattering/medium.h"
 
 namespace talbot {
 
@@ -57,42 +56,6 @@ void show_value(Recorder& recorder, PathValue what, T& value) {
     if constexpr (Recorder::kTampers) recorder.tamper(what, value);
 }
 
-// What fills the space inside these volumes.
-inline Medium medium_inside(const MediumStack& media, std::span<const Material> materials) {
-    const uint32_t top = media.top(materials);
-    return top == kVacuum ? Medium{} : medium_of(materials[top]);
-}
-
-// State of one path between two vertices.
-struct PathState {
-    Rgb beta{1};
-    Rgb Li{0};
-    float eta_scale = 1;  // undoes the radiance scaling of refraction for the roulette
-    float bsdf_pdf = 0;   // density of the last scattering direction
-    bool specular =
-        true;  // the last event was the camera or a delta lobe: no other strategy finds its light
-    bool specular_chain = true;     // nothing but delta events since the camera
-    Vec3f from{0};                  // the last vertex
-    Vec3f n_from{0};                // its normal as light sampling was given it
-    float wavelength = 0;           // nanometres; 0 until a dispersive surface is met
-    MediumStack media;              // volumes that the ray is inside of
-    Medium medium;                  // of the one that fills the space
-    uint32_t false_boundaries = 0;  // crossed ones that were no surfaces
-    uint32_t medium_events = 0;     // times that the path scattered inside media
-
-    // Goes on inside other volumes than before.
-    void enter(const MediumStack& now, std::span<const Material> materials) {
-        media = now;
-        medium = medium_inside(now, materials);
-    }
-};
-
-// Light leaves a thick body that absorbs nothing after n events about as n^-1.5: after the first of
-// these many a path survives to event n with a chance as n^-0.5, which keeps both the time and the
-// variance small; after the second it soon ends, so that none goes on for ever.
-inline constexpr uint32_t kLongWalk = 256;
-inline constexpr uint32_t kEndlessWalk = 16384;
-
 template <EffectSet kTier>
 inline constexpr bool kHasVolumes =
     kTier.has(Effect::transmission) || kTier.has(Effect::diffuse_transmission);
@@ -100,21 +63,33 @@ inline constexpr bool kHasVolumes =
 template <EffectSet kTier>
 inline constexpr bool kHasAlpha = kTier.has(Effect::alpha_mask) || kTier.has(Effect::alpha_blend);
 
-// Closest hit as this kind of ray sees the scene.
+// Whether the nearest hit is one; else the nearest that is. Out of line, so that hits without a
+// question keep their registers.
+template <EffectSet kTier>
+[[gnu::noinline]] bool ask_coverage(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
+                                    const Ray& ray, Hit& hit) {
+    const CoverageContext context{&rs, sampler.coverage_seed(bounce, 0), bounce == 0};
+    if (accept_coverage<kTier>(&context, ray, hit)) return true;
+    hit = Hit{};
+    return rs.scene().accel().closest(ray, hit, HitFilter{&accept_coverage<kTier>, &context});
+}
+
+// Closest hit as this kind of ray sees the scene. Most hits need no question: the filter is asked
+// of the nearest one, and traversal runs again with it only where that one is no hit.
 template <EffectSet kTier>
 bool intersect(const RenderScene& rs, const Sampler& sampler, uint32_t bounce, const Ray& ray,
                Hit& hit) {
     constexpr uint8_t kAlpha = kHasAlpha<kTier> ? kCoverageAlpha : 0;
     constexpr uint8_t kSide = kTier.has(Effect::single_sided) ? kCoverageSingleSided : 0;
-    const uint8_t relevant = rs.any_coverage() & (bounce == 0 ? kAlpha | kSide : kAlpha);
-    // Most hits need no question: the filter is asked of the nearest one, and traversal runs again
-    // with it only where that one is no hit.
     if (!rs.scene().accel().closest(ray, hit)) return false;
-    if ((rs.coverage_flags(hit.id) & relevant) == 0) return true;
-    const CoverageContext context{&rs, sampler.coverage_seed(bounce, 0), bounce == 0};
-    if (accept_coverage<kTier>(&context, ray, hit)) return true;
-    hit = Hit{};
-    return rs.scene().accel().closest(ray, hit, HitFilter{&accept_coverage<kTier>, &context});
+    if constexpr ((kAlpha | kSide) != 0) {
+        if (kAlpha != 0 || bounce == 0) {
+            const uint8_t relevant = rs.any_coverage() & (bounce == 0 ? kAlpha | kSide : kAlpha);
+            if (relevant != 0 && (rs.coverage_flags(hit.id) & relevant) != 0)
+                return ask_coverage<kTier>(rs, sampler, bounce, ray, hit);
+        }
+    }
+    return true;
 }
 
 template <EffectSet kTier>
@@ -178,11 +153,12 @@ void add_emission(const RenderScene& rs, const PathSettings& settings, const Ray
     path.Li += path.beta * weight * Le;
 }
 
-// Next-event estimation: one light, one shadow ray.
+// Next-event estimation: one light, one shadow ray. `crossing` is null where both sides of the
+// surface lie in the same volume.
 template <EffectSet kTier, EffectSet kSurface, typename Recorder>
 void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
                       const Bounce& numbers, const SurfaceInteraction& si, Vec3f n_lit,
-                      const Bsdf<kSurface>& bsdf, const Crossing& crossing, PathState& path,
+                      const Bsdf<kSurface>& bsdf, const Crossing* crossing, PathState& path,
                       uint32_t& rays, Recorder& recorder) {
     std::optional<LightSample> light = rs.lights().sample(rs.scene(), si.lit_point(), n_lit,
                                                           numbers.light_choice(), numbers.light());
@@ -203,9 +179,9 @@ void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bo
     if constexpr (kHasVolumes<kTier>) {
         // A light inside a volume; from outside of all the boundary itself is in the way.
         if (!light->infinite) {
-            const bool crosses = (dot(light->wi, si.n_geometric) > 0) != si.front;
+            const bool crosses = crossing && (dot(light->wi, si.n_geometric) > 0) != si.front;
             const Rgb sigma = crosses
-                                  ? medium_inside(crossing.after, rs.scene().materials()).sigma_t
+                                  ? medium_inside(crossing->after, rs.scene().materials()).sigma_t
                                   : path.medium.sigma_t;
             if (!is_black(sigma)) through = transmittance(sigma, length(light->target - si.p));
         }
@@ -316,9 +292,8 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
                                       Recorder& recorder) {
     SurfaceInteraction si = make_surface_interaction<kSurface>(rs.scene(), ray, hit);
     const Material& material = rs.scene().materials()[si.material];
-    Crossing crossing;
+    std::optional<Crossing> crossing;  // where it bounds a volume
     if constexpr (kHasVolumes<kTier>) {
-        crossing.after = path.media;
         if (!path.medium.scatters() && !is_black(path.medium.sigma_t)) {
             Rgb left = transmittance(path.medium.sigma_t, hit.t);
             show_value(recorder, PathValue::transmittance, left);
@@ -328,9 +303,9 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
     if constexpr (kHasVolumes<kSurface>) {
         if (material.is_volume()) {
             crossing = cross_boundary(path.media, rs.scene().materials(), si.material, si.front);
-            if (!crossing.real) {
+            if (!crossing->real) {
                 // Light sampling does not see through: what lies behind is left to this path.
-                path.enter(crossing.after, rs.scene().materials());
+                path.enter(crossing->after, rs.scene().materials());
                 path.specular = true;
                 ++path.false_boundaries;
                 ray = si.spawn(ray.d);
@@ -363,9 +338,9 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
             disperse(sampler, material, params, path);
     }
     if constexpr (kHasVolumes<kSurface>) {
-        if (crossing.other != kVacuum)
+        if (crossing && crossing->other != kVacuum)
             params.ior =
-                relative_ior(params.ior, rs.scene().materials()[crossing.other], path.wavelength);
+                relative_ior(params.ior, rs.scene().materials()[crossing->other], path.wavelength);
     }
     const float side = si.front ? 1.0f : -1.0f;
     Frame frame = si.shading;
@@ -380,8 +355,8 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
     const Bounce numbers = sampler.bounce(bounce);
     const Vec3f n_lit = lit_through ? Vec3f(0) : n_surface;
     if (settings.next_event_estimation && bsdf.has_smooth_lobe() && rs.lights().can_sample()) {
-        add_direct_light<kTier>(rs, sampler, bounce, numbers, si, n_lit, bsdf, crossing, path, rays,
-                                recorder);
+        add_direct_light<kTier>(rs, sampler, bounce, numbers, si, n_lit, bsdf,
+                                crossing ? &*crossing : nullptr, path, rays, recorder);
     }
 
     // Where the path goes on.
@@ -407,8 +382,8 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
     path.n_from = n_lit;
     if constexpr (kHasVolumes<kSurface>) {
         path.eta_scale *= scattered->eta * scattered->eta;
-        if (scattered->transmitted && !params.thin)
-            path.enter(crossing.after, rs.scene().materials());
+        if (crossing && scattered->transmitted && !params.thin)
+            path.enter(crossing->after, rs.scene().materials());
     }
 
     if (settings.russian_roulette && bounce >= kRouletteStart) {

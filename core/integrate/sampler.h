@@ -23,7 +23,13 @@ namespace talbot {
 
 // Dimension pairs, of which some purposes use only the first number. Camera pairs come first, then
 // kPairsPerBounce for each vertex of the path.
-enum class Purpose : uint32_t { pixel = 0, lens = 1, bounce = 2, wavelength = 0xFFFFFFFFu };
+enum class Purpose : uint32_t {
+    pixel = 0,
+    lens = 1,
+    bounce = 2,
+    time = 0xFFFFFFFEu,
+    wavelength = 0xFFFFFFFFu
+};
 // Pairs of media lie apart, so that scenes without them keep their numbers.
 constexpr uint32_t medium_pair(uint32_t bounce) {
     return 0x80000000u + bounce;

@@ -13,7 +13,7 @@ namespace talbot {
 inline constexpr EffectSet kOncePerPathEffects =
     (Effect::single_sided | Effect::environment) | Effect::environment_image |
     Effect::punctual_lights | Effect::emissive_meshes | Effect::many_lights |
-    Effect::analytic_spheres | Effect::instancing | Effect::depth_of_field;
+    Effect::analytic_spheres | Effect::instancing | Effect::depth_of_field | Effect::motion;
 
 // Diffuse surfaces without textures.
 inline constexpr EffectSet kMatteTier = kOncePerPathEffects;

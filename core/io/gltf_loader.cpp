@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "core/base/worker_pool.h"
+#include "core/io/gltf/animation.h"
 #include "core/io/gltf/choices.h"
 #include "core/io/gltf/extensions.h"
 #include "core/io/gltf/images.h"
@@ -90,6 +91,7 @@ class GltfLoader {
         if (Status spheres = place_spheres(loading_, uses->spheres); !spheres)
             return spheres.error();
         drop_distant_instances();
+        desc.reading = reading(*scene);
         report(1.0f, "scene");
         return std::move(desc);
     }
@@ -106,6 +108,17 @@ class GltfLoader {
     std::string scene_name(std::optional<size_t> scene) const {
         if (scene && !model_.scenes[*scene].name.empty()) return model_.scenes[*scene].name;
         return loading_.document.file.stem().string();
+    }
+
+    // Numbers exact to the bit.
+    std::string reading(std::optional<size_t> scene) const {
+        const LoadOptions& options = loading_.options;
+        char text[160];
+        std::snprintf(text, sizeof text, "scene=%lld,variant=%lld,time=%a,shutter=%a",
+                      scene ? static_cast<long long>(*scene) : -1LL,
+                      variant_ ? static_cast<long long>(*variant_) : -1LL,
+                      options.animation_time.value_or(-1), options.shutter_seconds);
+        return text;
     }
 
     std::vector<bool> used_materials(const SurfaceUses& uses) const {
@@ -323,6 +336,12 @@ GltfFile::~GltfFile() = default;
 
 const GltfChoices& GltfFile::choices() const {
     return state_->choices;
+}
+
+Result<std::string> GltfFile::moving_property(double from, double to) const {
+    const std::lock_guard lock(state_->mutex);
+    if (state_->broken) return *state_->broken;
+    return gltf::moving_property(state_->document, from, to);
 }
 
 Result<std::shared_ptr<GltfFile>> GltfFile::open(const std::filesystem::path& file,

@@ -25,6 +25,7 @@ struct LoadOptions {
     std::string scene;    // name or index; empty takes the default scene, or the first
     std::string variant;  // KHR_materials_variants name; empty takes the file's own materials
     std::optional<double> animation_time;  // seconds; empty shows the rest pose
+    double shutter_seconds = 0;            // motion blur: how long the shutter is open from then on
     LightReading lights;                   // of open(), for every later read()
     uint64_t max_bytes = 8ull << 30;       // over this the decoded scene is refused
     unsigned threads = 0;                  // for decoding images; 0 = all cores
@@ -57,6 +58,9 @@ class GltfFile {
     ~GltfFile();
 
     const GltfChoices& choices() const;
+
+    // What moves from one second of the animations to a later one, in words; empty where nothing does.
+    Result<std::string> moving_property(double from, double to) const;
 
     // For any thread; one reads at a time, others wait.
     Result<SceneDesc> read(const LoadOptions& options = {});

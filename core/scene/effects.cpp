@@ -103,6 +103,7 @@ EffectReport analyse_effects(const Scene& given, const Camera& camera) {
         camera.focus_distance > 0) {
         report.note(Effect::depth_of_field, "camera '" + camera.name + "'");
     }
+    if (given.motion()) report.note(Effect::motion, given.motion()->witness);
     return report;
 }
 

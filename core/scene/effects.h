@@ -43,6 +43,7 @@ enum class Effect : uint8_t {
     analytic_spheres,
     instancing,
     depth_of_field,
+    motion,
     count
 };
 
@@ -86,6 +87,7 @@ inline constexpr std::array<EffectInfo, kEffectCount> kEffects{{
     {Effect::analytic_spheres, "analytic_spheres", "Analytic spheres"},
     {Effect::instancing, "instancing", "Instancing"},
     {Effect::depth_of_field, "depth_of_field", "Depth of field"},
+    {Effect::motion, "motion", "Motion blur"},
 }};
 
 // A set of effects; usable as a template argument.

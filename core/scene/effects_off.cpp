@@ -181,6 +181,8 @@ std::string_view without_effect_text(Effect effect) {
             return "what is placed through the second level is missing";
         case Effect::depth_of_field:
             return "a pinhole";
+        case Effect::motion:
+            return "the moment at which the shutter opens";
         case Effect::second_uv:
             return "the first set is used instead";
         default:
@@ -230,6 +232,7 @@ std::shared_ptr<const Scene> scene_without(const std::shared_ptr<const Scene>& s
     }
     const Environment environment = environment_without(scene->environment(), off);
     if (!(environment == scene->environment())) without = without->with_environment(environment);
+    if (off.has(Effect::motion) && without->motion()) without = without->with_motion(nullptr);
     return without;
 }
 

@@ -235,7 +235,7 @@ std::shared_ptr<const Scene> Scene::build(SceneDesc desc, WorkerPool& pool,
     scene->environment_ = std::move(desc.environment);
     scene->about_ = std::make_shared<const About>(
         About{std::move(desc.file), std::move(desc.name), std::move(desc.sha256),
-              std::move(desc.extensions), std::move(desc.warnings)});
+              std::move(desc.reading), std::move(desc.extensions), std::move(desc.warnings)});
     return scene;
 }
 
@@ -328,6 +328,12 @@ std::shared_ptr<const Scene> Scene::with_punctual_light(uint32_t index, Punctual
 std::shared_ptr<const Scene> Scene::with_environment(Environment environment) const {
     auto scene = std::make_shared<Scene>(*this);
     scene->environment_ = std::move(environment);
+    return scene;
+}
+
+std::shared_ptr<const Scene> Scene::with_motion(std::shared_ptr<const SceneMotion> motion) const {
+    auto scene = std::make_shared<Scene>(*this);
+    scene->motion_ = std::move(motion);
     return scene;
 }
 

@@ -11,6 +11,7 @@
 #include "core/base/worker_pool.h"
 #include "core/geometry/accel.h"
 #include "core/scene/alpha_ranges.h"
+#include "core/scene/motion.h"
 #include "core/scene/scene_desc.h"
 
 namespace talbot {
@@ -72,12 +73,15 @@ class Scene {
     const std::vector<PunctualLight>& punctual_lights() const { return lights_; }
     const std::vector<Camera>& cameras() const { return cameras_; }
     const Environment& environment() const { return environment_; }
+    // Null where nothing moves while the shutter is open.
+    const std::shared_ptr<const SceneMotion>& motion() const { return motion_; }
     const std::vector<Object>& objects() const { return geometry_->objects; }
     const Vec3d& origin() const { return geometry_->origin; }
 
     const std::string& file() const { return about_->file; }
     const std::string& name() const { return about_->name; }
     const std::string& sha256() const { return about_->sha256; }
+    const std::string& reading() const { return about_->reading; }
     const std::vector<ExtensionUse>& extensions() const { return about_->extensions; }
     const std::vector<std::string>& warnings() const { return about_->warnings; }
 
@@ -101,6 +105,7 @@ class Scene {
     std::shared_ptr<const Scene> with_geometry(std::shared_ptr<const SceneGeometry> geometry) const;
     std::shared_ptr<const Scene> with_punctual_light(uint32_t index, PunctualLight light) const;
     std::shared_ptr<const Scene> with_environment(Environment environment) const;
+    std::shared_ptr<const Scene> with_motion(std::shared_ptr<const SceneMotion> motion) const;
 
   private:
     struct TexelFacts {
@@ -110,7 +115,7 @@ class Scene {
     void measure_textures(WorkerPool& pool);
 
     struct About {
-        std::string file, name, sha256;
+        std::string file, name, sha256, reading;
         std::vector<ExtensionUse> extensions;
         std::vector<std::string> warnings;
     };
@@ -122,6 +127,7 @@ class Scene {
     std::vector<PunctualLight> lights_;
     std::vector<Camera> cameras_;
     Environment environment_;
+    std::shared_ptr<const SceneMotion> motion_;
     std::shared_ptr<const About> about_;
 };
 

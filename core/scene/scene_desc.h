@@ -25,6 +25,7 @@ struct SceneDesc {
     std::string file;
     std::string name;
     std::string sha256;  // of the main file's bytes, in hex
+    std::string reading;  // scene, variant and moment that were chosen of the file, as words without blanks
     std::vector<Texture> textures;
     std::vector<Material> materials;
     std::vector<Mesh> meshes;

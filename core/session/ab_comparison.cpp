@@ -26,9 +26,9 @@ constexpr uint64_t kLevelGrowth = 4;
 constexpr uint64_t kFirstLook = 8;
 constexpr uint64_t kLevelRenders = 16;
 constexpr std::size_t kMostPairs = 512;
-constexpr uint32_t kBlock = 8;       // pixels a side, of the bootstrap
-constexpr uint32_t kFewBlocks = 64;  // fewer make blocks of half the size
-constexpr uint32_t kRadius = 3;      // of the window that r is the mean over
+constexpr uint32_t kBlock = 8;            // pixels a side, of the bootstrap
+constexpr uint32_t kFewBlocks = 64;       // fewer make blocks of half the size
+constexpr uint32_t kRadius = 3;           // of the window that r is the mean over
 constexpr double kDifferentLevel = 0.01;  // over all looks together
 constexpr double kNormal95 = 1.96;
 
@@ -236,12 +236,8 @@ class AbComparison::Impl {
             for (std::size_t i = 0; i < 2; ++i) {
                 const AbConfig& config = configs_[i];
                 view = prepare_view(scene, camera_, config.settings, pool, &view);
-                TileKernel kernel = config.kernel;
-                if (kernel == nullptr) {
-                    kernel = tile_kernel(view.tier);
-                    kernel_names_[i] = kTiers[view.tier].name;
-                }
-                sides_[i].emplace(view.scene, view.camera, config.settings, kernel);
+                if (config.kernel == nullptr) kernel_names_[i] = kTiers[view.tier].name;
+                sides_[i].emplace(view, config.settings, config.kernel, pool);
             }
             AbRender &a = *sides_[0], &b = *sides_[1];
             const Clock::time_point begin = Clock::now();

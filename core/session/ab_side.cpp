@@ -17,11 +17,10 @@ double clock_seconds() {
 
 }  // namespace
 
-AbRender::AbRender(std::shared_ptr<const RenderScene> scene, const Camera& camera,
-                   const RenderSettings& settings, TileKernel kernel)
-    : scene_(std::move(scene)),
-      camera_(camera, scene_->scene().origin(), settings.width, settings.height,
-              scene_->scene().geometry().bounds),
+AbRender::AbRender(PreparedView view, const RenderSettings& settings, TileKernel kernel,
+                   WorkerPool& pool)
+    : view_(std::move(view)),
+      at_(&view_.view()),
       settings_(settings),
       path_(path_settings(settings)),
       kernel_(kernel),
@@ -33,6 +32,7 @@ AbRender::AbRender(std::shared_ptr<const RenderScene> scene, const Camera& camer
       mean_(total_.size()),
       square_(total_.size()) {
     begin_render();
+    begin_pass(pool);
 }
 
 void AbRender::run_slice(double seconds, WorkerPool& pool, const std::stop_token& stop) {
@@ -54,18 +54,22 @@ void AbRender::run_tiles(double deadline, WorkerPool& pool, const std::stop_toke
     for (uint32_t i = 0; i < tile_done_.size(); ++i) {
         if (tile_done_[i] == 0) open.push_back(i);
     }
+    const Scene& scene = *at_->given;
+    const CameraRays camera(at_->camera, scene.origin(), film_.width(), film_.height(),
+                            scene.geometry().bounds);
+    const TileKernel kernel = kernel_ ? kernel_ : tile_kernel(at_->tier);
     pool.parallel_for(
         open.size(),
         [&](uint64_t i, unsigned worker) {
             if (i > 0 && clock_seconds() > deadline) return;
             const double start = thread_cpu_seconds();
-            TileJob job{scene_.get(), &camera_, &path_, &film_, settings_.first_sample,
-                        passes_ + 1,  0,        0,      0,      0};
+            TileJob job{at_->scene.get(), &camera, &path_, &film_, settings_.first_sample,
+                        passes_ + 1,      0,       0,      0,      0};
             job.x0 = open[i] % columns_ * settings_.tile_size;
             job.y0 = open[i] / columns_ * settings_.tile_size;
             job.x1 = std::min(job.x0 + settings_.tile_size, film_.width());
             job.y1 = std::min(job.y0 + settings_.tile_size, film_.height());
-            kernel_(job, stop, workers[worker].counts);
+            kernel(job, stop, workers[worker].counts);
             workers[worker].cpu_seconds += thread_cpu_seconds() - start;
             if (!stop.stop_requested()) tile_done_[open[i]] = 1;
         },
@@ -75,7 +79,18 @@ void AbRender::run_tiles(double deadline, WorkerPool& pool, const std::stop_toke
         rays_ += worker.counts.rays;
     }
     const auto done = [](uint8_t d) { return d != 0; };
-    if (std::all_of(tile_done_.begin(), tile_done_.end(), done)) finish_pass();
+    if (!std::all_of(tile_done_.begin(), tile_done_.end(), done)) return;
+    finish_pass();
+    begin_pass(pool);
+}
+
+// The time that a moving scene takes to get there counts as every thread's.
+void AbRender::begin_pass(WorkerPool& pool) {
+    RenderSettings settings = settings_;
+    settings.seed = path_.seed;
+    const double before = view_.seconds();
+    at_ = view_.at(settings_.first_sample + passes_, settings, pool);
+    cpu_seconds_ += pool.size() * (view_.seconds() - before);
 }
 
 void AbRender::finish_pass() {

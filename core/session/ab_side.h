@@ -13,13 +13,15 @@
 #include "core/integrate/kernel.h"
 #include "core/scene/camera.h"
 #include "core/session/settings.h"
+#include "core/session/view_moments.h"
 
 namespace talbot {
 
 class AbRender {
   public:
-    AbRender(std::shared_ptr<const RenderScene> scene, const Camera& camera,
-             const RenderSettings& settings, TileKernel kernel);
+    // A null kernel stands for the view's own.
+    AbRender(PreparedView view, const RenderSettings& settings, TileKernel kernel,
+             WorkerPool& pool);
 
     // Renders for about `seconds`, at least one tile.
     void run_slice(double seconds, WorkerPool& pool, const std::stop_token& stop);
@@ -49,15 +51,16 @@ class AbRender {
 
   private:
     void run_tiles(double deadline, WorkerPool& pool, const std::stop_token& stop);
+    void begin_pass(WorkerPool& pool);
     void finish_pass();
     void finish_render();
     void begin_render();
 
-    std::shared_ptr<const RenderScene> scene_;
-    CameraRays camera_;
+    ViewMoments view_;
+    const PreparedView* at_;  // what the pass at hand sees of it
     RenderSettings settings_;
     PathSettings path_;
-    TileKernel kernel_;
+    TileKernel kernel_;        // null: the view's own
     uint32_t columns_, rows_;  // of tiles
     Film film_;                // of the render at hand
     uint64_t passes_ = 0;      // whole ones in film_

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/accuracy/error_estimate.h"
-#include "core/session/prepared_view.h"
 #include "core/session/render_pass.h"
 
 namespace talbot {
@@ -25,11 +24,7 @@ class SmallView {
   public:
     SmallView(const std::shared_ptr<const Scene>& scene, const Camera& camera, double exposure_ev,
               WorkerPool& pool, const std::stop_token& stop)
-        : scene_(scene),
-          camera_(camera),
-          exposure_ev_(exposure_ev),
-          pool_(pool),
-          stop_(stop) {}
+        : scene_(scene), camera_(camera), exposure_ev_(exposure_ev), pool_(pool), stop_(stop) {}
 
     // Empty when stopped.
     std::optional<Side> render(const RenderSettings& settings) {
@@ -37,7 +32,7 @@ class SmallView {
         side.film = Film(settings.width, settings.height);
         ErrorTracker tracker;
         tracker.reset(static_cast<float>(exposure_ev_));
-        view_ = prepare_view(scene_, camera_, settings, pool_, &view_);
+        view_ = ViewMoments(prepare_view(scene_, camera_, settings, pool_, &view_.view()));
         double seconds = 0;
         for (uint64_t n = 1; n <= kSamples; n *= 2) {
             side.half = side.film;
@@ -45,8 +40,7 @@ class SmallView {
             const std::stop_callback ask(stop_, [&stop] { stop.request_stop(); });
             TileCounts counts;
             const auto start = std::chrono::steady_clock::now();
-            if (!render_pass({*view_.scene, view_.camera, settings, view_.tier, n}, side.film, pool_, stop, {},
-                             counts))
+            if (!render_pass(view_, settings, n, side.film, pool_, stop, {}, counts))
                 return std::nullopt;
             seconds +=
                 std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -60,7 +54,7 @@ class SmallView {
   private:
     const std::shared_ptr<const Scene> scene_;
     const Camera& camera_;
-    PreparedView view_;
+    ViewMoments view_;
     const double exposure_ev_;
     WorkerPool& pool_;
     const std::stop_token stop_;

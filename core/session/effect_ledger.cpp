@@ -7,6 +7,7 @@
 #include "core/accuracy/error_estimate.h"
 #include "core/base/cpu_clock.h"
 #include "core/integrate/kernel.h"
+#include "core/session/render_pass.h"
 
 namespace talbot {
 namespace {
@@ -17,21 +18,21 @@ constexpr uint32_t kTile = 16;  // pixels a side
 class Contender {
   public:
     Contender(PreparedView view, const RenderSettings& settings)
-        : view_(std::move(view)),
-          path_(path_settings(settings)),
-          camera_(view_.camera, view_.given->origin(), settings.width, settings.height,
-                  view_.given->geometry().bounds),
-          first_sample_(settings.first_sample),
-          film_(settings.width, settings.height) {}
+        : view_(std::move(view)), settings_(settings), film_(settings.width, settings.height) {}
 
     void clear() { film_.clear(); }
-    // Brings a tile to `samples` a pixel and returns the seconds of this thread.
+    // Brings a tile to `samples` a pixel, as seen where the shutter opens, and returns the seconds
+    // of this thread.
     double render(uint32_t x, uint32_t y, uint64_t samples, const std::stop_token& stop) {
-        TileJob job{view_.scene.get(),
-                    &camera_,
-                    &path_,
+        const PreparedView& view = view_.view();
+        const CameraRays camera(view.camera, view.given->origin(), film_.width(), film_.height(),
+                                view.given->geometry().bounds);
+        const PathSettings path = path_settings(settings_);
+        TileJob job{view.scene.get(),
+                    &camera,
+                    &path,
                     &film_,
-                    first_sample_,
+                    settings_.first_sample,
                     samples,
                     x,
                     y,
@@ -39,24 +40,25 @@ class Contender {
                     std::min(y + kTile, film_.height())};
         TileCounts counts;
         const double start = thread_cpu_seconds();
-        tile_kernel(view_.tier)(job, stop, counts);
+        tile_kernel(view.tier)(job, stop, counts);
         return thread_cpu_seconds() - start;
     }
-    void render_all(uint64_t samples, const std::stop_token& stop) {
-        for (uint32_t y = 0; y < film_.height(); y += kTile) {
-            for (uint32_t x = 0; x < film_.width(); x += kTile) render(x, y, samples, stop);
-        }
+    // The whole picture, at all its moments.
+    void render_all(uint64_t samples, WorkerPool& pool, const std::stop_token& asked) {
+        std::stop_source stop;
+        const std::stop_callback pass_on(asked, [&stop] { stop.request_stop(); });
+        TileCounts counts;
+        render_pass(view_, settings_, samples, film_, pool, stop, {}, counts);
     }
     const Film& film() const { return film_; }
-    const PreparedView& view() const { return view_; }
+    const PreparedView& view() const { return view_.view(); }
+    double seconds_a_moment() const { return view_.least_seconds(); }
 
     Film half;
 
   private:
-    PreparedView view_;
-    PathSettings path_;
-    CameraRays camera_;
-    uint64_t first_sample_;
+    ViewMoments view_;
+    RenderSettings settings_;
     Film film_;
 };
 
@@ -98,6 +100,10 @@ class Race {
         ++rounds_;
     }
 
+    // Of one sample of the whole image.
+    double seconds_a_sample(std::size_t contender) const {
+        return seconds(contender, 0) / static_cast<double>(policy_.slice_samples);
+    }
     // Of the time: by all rounds, and half the distance of the figures by every other one.
     double share(const Pair& pair) const { return share(pair, 0); }
     double spread(const Pair& pair) const {
@@ -214,9 +220,9 @@ std::optional<std::vector<EffectPrice>> price_effects(
     };
     for (std::size_t i = 0; i < contenders.size(); ++i) {
         Contender& c = *contenders[i];
-        c.render_all(policy.samples / 2, stop);
+        c.render_all(policy.samples / 2, pool, stop);
         c.half = c.film();
-        c.render_all(policy.samples, stop);
+        c.render_all(policy.samples, pool, stop);
         if (stop.stop_requested()) return std::nullopt;
         report(i + 1);
     }
@@ -245,6 +251,13 @@ std::optional<std::vector<EffectPrice>> price_effects(
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         prices[i].time_percent = race.share(pairs[i]);
         prices[i].time_spread = race.spread(pairs[i]);
+        if (pairs[i].effect != Effect::motion) continue;
+        // A pass of the whole image is seen at one moment.
+        const double growth = static_cast<double>(given.width) * given.height /
+                              (static_cast<double>(settings.width) * settings.height);
+        const double moment = contenders[pairs[i].with]->seconds_a_moment();
+        const double pass = growth * race.seconds_a_sample(pairs[i].with);
+        prices[i].time_percent = share_percent(pass + moment, pass);
     }
     return prices;
 }

@@ -256,9 +256,8 @@ std::vector<Candidate> candidates(const RenderSettings& settings) {
     if (settings.lights != LightSelection::tree)
         add("--lights tree", [](RenderSettings& s) { s.lights = LightSelection::tree; });
     if (settings.environment_sampling != EnvironmentSampling::compensated)
-        add("--environment-sampling compensated", [](RenderSettings& s) {
-            s.environment_sampling = EnvironmentSampling::compensated;
-        });
+        add("--environment-sampling compensated",
+            [](RenderSettings& s) { s.environment_sampling = EnvironmentSampling::compensated; });
     if (settings.next_event_estimation)
         add("--no-nee", [](RenderSettings& s) { s.next_event_estimation = false; });
     else

@@ -45,9 +45,9 @@ PreparedView prepare_view(std::shared_ptr<const Scene> scene, const Camera& came
             geometry = geometry_without(std::move(geometry), view.forced_off, pool);
         }
         view.reduced = scene_without(view.given, view.forced_off, std::move(geometry));
-        view.scene = std::make_shared<const RenderScene>(
-            view.reduced, previous ? previous->scene.get() : nullptr, view.forced_on,
-            view.sampling);
+        view.scene = std::make_shared<const RenderScene>(view.reduced,
+                                                         previous ? previous->scene.get() : nullptr,
+                                                         view.forced_on, view.sampling);
     }
     view.effects = analyse_effects(*view.given, camera);
     const EffectSet needed = view.forced_off == EffectSet{}

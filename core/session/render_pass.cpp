@@ -46,4 +46,19 @@ bool render_pass(const RenderPass& pass, Film& film, WorkerPool& pool, std::stop
     return !token.stop_requested();
 }
 
+bool render_pass(ViewMoments& view, const RenderSettings& settings, uint64_t target_samples,
+                 Film& film, WorkerPool& pool, std::stop_source& stop,
+                 const std::function<bool()>& out_of_time, TileCounts& counts) {
+    const std::stop_token token = stop.get_token();
+    uint64_t done = view.moves() ? film.min_samples() : target_samples - 1;
+    while (done < target_samples) {
+        const PreparedView* at = view.at(settings.first_sample + done, settings, pool, token);
+        ++done;
+        if (!at || !render_pass({*at->scene, at->camera, settings, at->tier, done}, film, pool,
+                                stop, out_of_time, counts))
+            return false;
+    }
+    return true;
+}
+
 }  // namespace talbot

@@ -11,10 +11,11 @@ ReplayedPath Retracer::path(const std::shared_ptr<const Scene>& scene, const Cam
     // A path is the same to the bit only in the workers' rounding of denormals.
     enter_worker_float_mode();
     WorkerPool pool(1);
-    view_ = prepare_view(scene, camera, settings, pool, view_ ? &*view_ : nullptr);
-    const CameraRays rays(view_->camera, scene->origin(), settings.width, settings.height,
-                          scene->geometry().bounds);
-    return replay_path(*view_->scene, rays, path_settings(settings), x, y, sample);
+    view_ = ViewMoments(prepare_view(scene, camera, settings, pool, &view_.view()));
+    const PreparedView& at = *view_.at(sample, settings, pool);
+    const CameraRays rays(at.camera, at.given->origin(), settings.width, settings.height,
+                          at.given->geometry().bounds);
+    return replay_path(*at.scene, rays, path_settings(settings), x, y, sample);
 }
 
 }  // namespace talbot

@@ -3,11 +3,10 @@
 
 #include <memory>
 #include <mutex>
-#include <optional>
 
 #include "core/integrate/replay.h"
-#include "core/session/prepared_view.h"
 #include "core/session/settings.h"
+#include "core/session/view_moments.h"
 
 namespace talbot {
 
@@ -20,7 +19,7 @@ class Retracer {
 
   private:
     std::mutex mutex_;
-    std::optional<PreparedView> view_;  // of the last path
+    ViewMoments view_;  // of the last path
 };
 
 }  // namespace talbot

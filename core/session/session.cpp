@@ -9,7 +9,6 @@
 #include <variant>
 
 #include "core/integrate/tiers.h"
-#include "core/session/prepared_view.h"
 #include "core/session/render_pass.h"
 #include "core/session/scheduler.h"
 #include "core/session/view_layers.h"
@@ -220,7 +219,7 @@ class RenderSession::Impl {
         if (restart_ && source_) {
             restart_ = false;
             film_is_stale_ = true;
-            view_ = prepare_view(source_, camera_, settings_, *pool_, &view_);
+            view_ = ViewMoments(prepare_view(source_, camera_, settings_, *pool_, &view_.view()));
             passes_ = 0;
             samples_ = rays_ = 0;
             render_seconds_ = 0;
@@ -294,8 +293,8 @@ class RenderSession::Impl {
                 return spent_seconds() + seconds_since(start) > policy_.time_limit_seconds;
             };
         }
-        return talbot::render_pass({*view_.scene, view_.camera, settings_, view_.tier, target}, film, *pool_,
-                                   work_stop_, out_of_time, counts);
+        return talbot::render_pass(view_, settings_, target, film, *pool_, work_stop_, out_of_time,
+                                   counts);
     }
 
     void render_preview(uint32_t divisor) {
@@ -361,7 +360,9 @@ class RenderSession::Impl {
         publish_film();
     }
 
-    ViewLayers::View layered() const { return {*view_.scene, view_.camera, settings_, *pool_}; }
+    ViewLayers::View layered() const {
+        return {*view_.view().scene, view_.view().camera, settings_, *pool_};
+    }
     bool layers_are_wanted() const { return shown_image_ && layers_.are_missing(); }
     void update_layers(const std::stop_token& stop) {
         layers_.update(layered(), stop);
@@ -392,8 +393,8 @@ class RenderSession::Impl {
         snapshot->scene = source_;
         snapshot->camera = camera_;
         snapshot->settings = settings_;
-        snapshot->effects = view_.effects;
-        snapshot->kernel = kTiers[view_.tier].name;
+        snapshot->effects = view_.view().effects;
+        snapshot->kernel = kTiers[view_.view().tier].name;
         shown_image_ = snapshot->image;
         shown_is_preview_ = preview;
         last_publish_ = Clock::now();
@@ -441,7 +442,7 @@ class RenderSession::Impl {
 
     // session thread
     std::shared_ptr<const Scene> source_;  // with all edits
-    PreparedView view_;                    // of it, since the last restart
+    ViewMoments view_;                     // of it, since the last restart
     Camera camera_;
     RenderSettings settings_;
     Film film_;

@@ -210,11 +210,12 @@ to::Camera widen(const from::Camera& camera) {
 }  // namespace
 
 to::SceneDesc to_double(const from::SceneDesc& desc) {
-    const auto& [file, name, sha256, textures, materials, meshes, instances, spheres, objects,
+    const auto& [file, name, sha256, reading, textures, materials, meshes, instances, spheres, objects,
                  lights, cameras, environment, extensions, warnings] = desc;
     return {file,
             name,
             sha256,
+            reading,
             widen_all<to::Texture>(textures),
             widen_all<to::Material>(materials),
             widen_all<to::Mesh>(meshes),

@@ -19,13 +19,16 @@ using Json = nlohmann::json;
 constexpr auto kDrivable = std::to_array<std::string_view>(
     {"/nodes/", "/materials/", "/cameras/", "/meshes/", "/extensions/KHR_lights_punctual/lights/"});
 
-class AnimationApplier {
+// Walks the channels of all animations.
+class AnimationReader {
   public:
-    AnimationApplier(const Document& document, double seconds, Json& root,
-                     std::vector<std::string>& warnings)
-        : document_(document), seconds_(seconds), root_(root), warnings_(warnings) {}
+    AnimationReader(const Document& document, const Json& root)
+        : document_(document), root_(root) {}
 
-    Status run() {
+    // Calls f(animation's name, pointer, sampler, element) for each property that is driven, with
+    // the channel that drives it, until an error.
+    template <typename F>
+    Status visit(const F& f) {
         const auto animations = root_.find("animations");
         for (size_t a = 0; animations != root_.end() && a < animations->size(); ++a) {
             const Json& animation = (*animations)[a];
@@ -33,16 +36,20 @@ class AnimationApplier {
             for (size_t c = 0; channels != animation.end() && c < channels->size(); ++c) {
                 const std::string element =
                     element_name("animations", a) + ".channels[" + std::to_string(c) + "]";
-                if (Status done = apply(animation, (*channels)[c], a, element); !done) return done;
+                const Json& channel = (*channels)[c];
+                const std::string pointer = pointer_of(channel);
+                if (pointer.empty() || !takes(pointer, a)) continue;
+                const Result<AnimationSampler> sampler =
+                    sampler_of(animation, channel, pointer, element);
+                if (!sampler) return sampler.error();
+                f(text(animation, "name"), pointer, *sampler, element);
             }
-        }
-        if (overruled_ > 0) {
-            warnings_.push_back(std::to_string(overruled_) +
-                                " animation channels drive what an earlier animation drives "
-                                "already; they are ignored");
         }
         return Done{};
     }
+
+    // Channels that drive what an earlier animation drives.
+    size_t overruled() const { return overruled_; }
 
   private:
     // The property that a channel drives; empty when there is none. (tinygltf leaves out channels
@@ -65,15 +72,16 @@ class AnimationApplier {
         return found != object.end() && found->is_string() ? found->get<std::string>() : "";
     }
 
-    Status apply(const Json& animation, const Json& channel, size_t index,
-                 const std::string& element) {
-        const std::string pointer = pointer_of(channel);
-        if (pointer.empty()) return Done{};
+    // Whether animation `index` is the one that drives it.
+    bool takes(const std::string& pointer, size_t index) {
         const auto [owner, is_new] = owners_.emplace(pointer, index);
-        if (!is_new) {
-            if (owner->second != index) ++overruled_;
-            return Done{};
-        }
+        if (!is_new && owner->second != index) ++overruled_;
+        return is_new;
+    }
+
+    Result<AnimationSampler> sampler_of(const Json& animation, const Json& channel,
+                                        const std::string& pointer,
+                                        const std::string& element) const {
         const auto samplers = animation.find("samplers");
         const size_t count = samplers == animation.end() ? 0 : samplers->size();
         const auto sampler_index = channel["sampler"].get<uint64_t>();
@@ -84,13 +92,11 @@ class AnimationApplier {
         }
         const bool is_node_rotation =
             pointer.starts_with("/nodes/") && pointer.ends_with("/rotation");
-        const Result<AnimationSampler> sampler =
+        Result<AnimationSampler> sampler =
             open_sampler((*samplers)[sampler_index], is_node_rotation, element);
-        if (!sampler) return sampler.error();
-        if (is_node_rotation && sampler->width() != size_t{4})
+        if (sampler && is_node_rotation && sampler->width() != size_t{4})
             return document_.error(element, "drives a rotation with values that are no VEC4");
-        set(pointer, sampler->evaluate(seconds_), element);
-        return Done{};
+        return sampler;
     }
 
     Result<AnimationSampler> open_sampler(const Json& in, bool is_rotation,
@@ -115,17 +121,26 @@ class AnimationApplier {
         return sampler;
     }
 
-    void warn(const std::string& element, const std::string& pointer, const std::string& why) {
-        warnings_.push_back(element + ": its target '" + pointer.substr(0, 100) + "' " + why +
-                            "; it keeps its value");
-    }
+    const Document& document_;
+    const Json& root_;
+    std::map<std::string, size_t> owners_;  // which animation drives a property
+    size_t overruled_ = 0;
+};
+
+bool is_drivable(const std::string& pointer) {
+    return std::any_of(kDrivable.begin(), kDrivable.end(),
+                       [&](std::string_view start) { return pointer.starts_with(start); });
+}
+
+// Puts values where pointers lead.
+class PropertySetter {
+  public:
+    PropertySetter(Json& root, std::vector<std::string>& warnings)
+        : root_(root), warnings_(warnings) {}
 
     void set(const std::string& pointer, const std::vector<double>& values,
              const std::string& element) {
-        const bool is_drivable =
-            std::any_of(kDrivable.begin(), kDrivable.end(),
-                        [&](std::string_view start) { return pointer.starts_with(start); });
-        if (!is_drivable) return warn(element, pointer, "is not supported");
+        if (!is_drivable(pointer)) return warn(element, pointer, "is not supported");
         if (!std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); }))
             return warn(element, pointer, "gets a value that is not finite");
         Json* parent = nullptr;
@@ -158,6 +173,12 @@ class AnimationApplier {
         }
     }
 
+  private:
+    void warn(const std::string& element, const std::string& pointer, const std::string& why) {
+        warnings_.push_back(element + ": its target '" + pointer.substr(0, 100) + "' " + why +
+                            "; it keeps its value");
+    }
+
     // One weight of an array of them.
     void set_element(Json& parent, const std::string& name, const std::vector<double>& values,
                      const std::string& pointer, const std::string& element) {
@@ -171,19 +192,40 @@ class AnimationApplier {
         parent[index] = values[0];
     }
 
-    const Document& document_;
-    double seconds_;
     Json& root_;
     std::vector<std::string>& warnings_;
-    std::map<std::string, size_t> owners_;  // which animation drives a property
-    size_t overruled_ = 0;
 };
 
 }  // namespace
 
 Status apply_animations(const Document& document, double seconds, Json& root,
                         std::vector<std::string>& warnings) {
-    return AnimationApplier(document, seconds, root, warnings).run();
+    AnimationReader reader(document, *document.source);
+    PropertySetter setter(root, warnings);
+    const Status done =
+        reader.visit([&](const std::string&, const std::string& pointer,
+                         const AnimationSampler& sampler, const std::string& element) {
+            setter.set(pointer, sampler.evaluate(seconds), element);
+        });
+    if (done && reader.overruled() > 0) {
+        warnings.push_back(std::to_string(reader.overruled()) +
+                           " animation channels drive what an earlier animation drives "
+                           "already; they are ignored");
+    }
+    return done;
+}
+
+Result<std::string> moving_property(const Document& document, double from, double to) {
+    std::string moving;
+    if (!document.source) return moving;
+    AnimationReader reader(document, *document.source);
+    const Status done = reader.visit([&](const std::string& name, const std::string& pointer,
+                                         const AnimationSampler& sampler, const std::string&) {
+        if (moving.empty() && is_drivable(pointer) && sampler.changes(from, to))
+            moving = "animation '" + name + "' drives " + pointer;
+    });
+    if (!done) return done.error();
+    return moving;
 }
 
 double animation_seconds(const Document& document, size_t index) {

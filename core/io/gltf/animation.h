@@ -17,6 +17,10 @@ namespace talbot::gltf {
 Status apply_animations(const Document& document, double seconds, nlohmann::json& root,
                         std::vector<std::string>& warnings);
 
+// What the animations change from one second to a later one: the first such property as
+// "animation 'Walk' drives /nodes/3/rotation"; empty where nothing changes.
+Result<std::string> moving_property(const Document& document, double from, double to);
+
 // The last key of animation `index`, seconds; 0 when it has none.
 double animation_seconds(const Document& document, size_t index);
 

@@ -104,4 +104,20 @@ std::vector<double> AnimationSampler::evaluate(double seconds) const {
     return out;
 }
 
+bool AnimationSampler::changes(double from, double to) const {
+    const std::vector<double> first = evaluate(from);
+    // Between two keys a value is at most a cubic: one that is the same at four points is constant.
+    constexpr int kPoints = 4;
+    double start = from;
+    for (size_t key = key_before(times, from); start < to; ++key) {
+        const double end = key + 1 < times.count ? std::min(to, time_of(times, key + 1)) : to;
+        if (!(end > start) && end < to) continue;
+        for (int i = 1; i < kPoints; ++i) {
+            if (evaluate(start + (end - start) * i / (kPoints - 1)) != first) return true;
+        }
+        start = end;
+    }
+    return false;
+}
+
 }  // namespace talbot::gltf

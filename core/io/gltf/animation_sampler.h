@@ -22,6 +22,9 @@ struct AnimationSampler {
 
     // The value at `seconds`; width() of them. Reads the two keys beside it and no more.
     std::vector<double> evaluate(double seconds) const;
+
+    // Whether the value changes from one second to a later one.
+    bool changes(double from, double to) const;
 };
 
 }  // namespace talbot::gltf
