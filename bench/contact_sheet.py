@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
 """Renders every model of a folder with an environment and puts the pictures on one sheet, named.
 
-A model is FOLDER/NAME/*.glb or *.gltf; other encodings in folders below it are left out. Every render is `--strict`.
+A model is FOLDER/NAME/*.glb or *.gltf; other encodings in folders below it are left out. Every render is `--strict`. Test panels,
+which are flat and have no camera, are seen from the front.
 Usage: contact_sheet.py TALBOT --models DIR --environment FILE [--size WxH] [--frames N] [--columns N] [--cell W] [--only NAME,...]
 [--pictures DIR] [--output FILE.jpg|.png] [--json FILE] [--quick]. Pictures that --pictures already holds are kept.
 Exit code 1 when a model failed or warned; 77: Pillow is not installed (apt-get install python3-pil).
 """
 import argparse
 import json
+import math
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -29,11 +32,28 @@ def models_of(folder):
     return models
 
 
+def front_view(args, file):
+    """Options for a camera before a flat model without one: its bounds fill the picture."""
+    info = subprocess.run([args.talbot, "info", file], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True).stdout
+    bounds = re.search(r"^bounds +\(([^)]*)\) to \(([^)]*)\)", info, re.M)
+    if not bounds or not re.search(r"^cameras +0$", info, re.M):
+        return []
+    low, high = ([float(x) for x in corner.split(",")] for corner in bounds.groups())
+    extent = [b - a for a, b in zip(low, high)]
+    if extent[2] > 0.4 * max(extent[:2]):
+        return []
+    width, height = map(int, args.size.split("x"))
+    angle = 30
+    distance = 0.5 * extent[2] + 0.52 * max(extent[1], extent[0] * height / width) / math.tan(math.radians(angle / 2))
+    center = [(a + b) / 2 for a, b in zip(low, high)]
+    return ["--orbit", ",".join(f"{x:.9g}" for x in (*center, 0, 90, distance, angle))]
+
+
 def render(args, name, file, pictures):
     picture, report = pictures / f"{name}.png", pictures / f"{name}.json"
     if not picture.exists():
         command = [args.talbot, file, "--environment", args.environment, "--size", args.size, "--frames", str(args.frames), "--strict",
-                   "--output", picture, "--report", report, "--quiet"]
+                   "--output", picture, "--report", report, "--quiet", *front_view(args, file)]
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         if done.returncode != 0:
             return {"exit_code": done.returncode, "message": done.stderr.strip()}

@@ -1,70 +1,92 @@
 #!/usr/bin/env python3
-"""What each unbiased switch of the estimator is worth: error at equal time, through `talbot accuracy SCENE --sweep`.
+"""What each unbiased switch of the estimator is worth: error times seconds of each setting against the default's.
 
-All settings of a scene run in lock step, octave by octave. The error of each is read off its curve at the seconds that the
-shortest of them reached; the work for equal error is (error / error of the default)^2, above 1 where the switch loses.
-Usage: estimators.py TALBOT [SCENE.gltf...] [--scenes DIR] [--environment FILE.hdr] [--budget SECONDS] [--size-scale S]
+All settings have the same expected image, so the mean of all their renders is the reference, and the variance between seeds the
+error: relMSE as everywhere, of one render of --spp samples a pixel. Seconds are CPU seconds of sampling, so that other programs
+on the machine matter little; a first render of one pass takes loading out. Settings take turns, seed by seed. Work is relMSE x
+seconds over that of the default: above 1 where the switch loses, by that much more time for the same error.
+Usage: estimators.py TALBOT [SCENE.gltf...] [--scenes DIR] [--environment FILE.hdr] [--size-scale S] [--spp N] [--seeds N]
 [--json FILE] [--markdown FILE] [--quick]. With --environment the last scene is measured once more under that image.
 """
 import argparse
 import json
-import math
+import os
 import pathlib
 import subprocess
 import sys
+import tempfile
 
+import numpy as np
+
+from cycles_compare import read_pfm
 from gltf_arrays import Gltf
 
 HERE = pathlib.Path(__file__).resolve().parent
-SWEEPS = ["sampler=independent,stratified,halton,zsobol", "lights=power,uniform", "roulette=off", "nee=off"]
-ENVIRONMENT_SWEEP = "environment-sampling=luminance,none"
+SETTINGS = {
+    "default": [],
+    "--lights power": ["--lights", "power"],
+    "--lights uniform": ["--lights", "uniform"],
+    "--sampler independent": ["--sampler", "independent"],
+    "--sampler stratified": ["--sampler", "stratified"],
+    "--sampler halton": ["--sampler", "halton"],
+    "--sampler zsobol": ["--sampler", "zsobol"],
+    "--no-roulette": ["--no-roulette"],
+    "--no-nee": ["--no-nee"],
+}
+UNDER_AN_IMAGE = {
+    "--environment-sampling luminance": ["--environment-sampling", "luminance"],
+    "--environment-sampling none": ["--environment-sampling", "none"],
+}
 
 
-def error_at(curve, seconds):
-    """Straight on log-log axes between the octaves; the ends go on with half a power, as 1/sqrt(N)."""
-    points = [(p["cpu_seconds"], p["relrmse_percent"]) for p in curve if p["relrmse_percent"]]
-    if not points:
-        return None
-    if seconds >= points[-1][0]:
-        return points[-1][1] * math.sqrt(points[-1][0] / seconds)
-    for (t0, e0), (t1, e1) in zip(points, points[1:]):
-        if t0 <= seconds <= t1:
-            return e0 * (e1 / e0) ** (math.log(seconds / t0) / math.log(t1 / t0))
-    return points[0][1] * math.sqrt(points[0][0] / seconds)
-
-
-def measure(args, scene, environment):
+def render(args, scene, options, spp, seed, folder):
+    """(CPU seconds of the whole process, image)"""
+    image, report = folder / "image.pfm", folder / "report.json"
     width, height = Gltf(scene).size(args.size_scale)
-    command = [args.talbot, "accuracy", scene, "--size", f"{width}x{height}", "--threads", str(args.threads), "--max-depth", "9",
-               "--budget", str(args.budget), "--json", "-", "--quiet"]
-    for sweep in SWEEPS + ([ENVIRONMENT_SWEEP] if environment else []):
-        command += ["--sweep", sweep]
-    if environment:
-        command += ["--environment", environment]
-    report = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
-    curves = {r["configuration"]: r["curve"] for r in report["results"]}
-    seconds = min(curve[-1]["cpu_seconds"] for curve in curves.values() if curve)
-    errors = {name: error_at(curve, seconds) for name, curve in curves.items()}
-    return {"size": [width, height], "cpu_seconds": seconds, "relrmse_percent": errors}
+    subprocess.run([args.talbot, scene, "--frames", str(spp), "--seed", str(seed), "--size", f"{width}x{height}", "--threads",
+                    str(args.threads), "--max-depth", "9", "--output", image, "--report", report, "--quiet", *options], check=True)
+    return json.loads(report.read_text())["cpu_seconds"], read_pfm(image)
+
+
+def measure(args, scene, environment, folder):
+    settings = {**SETTINGS, **(UNDER_AN_IMAGE if environment else {})}
+    under = ["--environment", environment] if environment else []
+    # In-process seconds of loading are in every run alike: they go out with the shorter one.
+    short = min(render(args, scene, under, 1, 77 + k, folder)[0] for k in range(2))
+    images, seconds = {name: [] for name in settings}, {name: [] for name in settings}
+    for seed in range(args.seeds):
+        for name, options in settings.items():
+            cpu, image = render(args, scene, under + options, args.spp, seed, folder)
+            images[name].append(image)
+            seconds[name].append((cpu - short) * args.spp / (args.spp - 1))
+    # Without light sampling the image is too noisy to add to the reference.
+    reference = np.mean([np.mean(stack, 0) for name, stack in images.items() if name != "--no-nee"], 0)
+    rows = {}
+    for name, stack in images.items():
+        variance = np.var(stack, axis=0, ddof=1)
+        relmse = float(np.mean(variance / (reference ** 2 + 0.01)))
+        ratios = [s / d for s, d in zip(seconds[name], seconds["default"])]
+        rows[name] = {"relmse": relmse, "cpu_seconds": float(np.median(seconds[name])), "time_ratio": float(np.median(ratios))}
+    for row in rows.values():
+        row["error_ratio"] = row["relmse"] / rows["default"]["relmse"]
+        row["work"] = row["error_ratio"] * row["time_ratio"]
+    return rows
 
 
 def table(results):
-    rows = []
-    for result in results.values():
-        rows += [name for name in result["relrmse_percent"] if name not in rows]
-    rows.sort(key=lambda name: name != "base")
+    names = [name for rows in results.values() for name in rows]
     lines = ["| setting | " + " | ".join(results) + " |", "|---" * (len(results) + 1) + "|"]
-    seconds = " | ".join(f"{r['cpu_seconds']:.1f} s" for r in results.values())
-    lines.append(f"| CPU seconds each | {seconds} |")
-    for name in rows:
+    for name in dict.fromkeys(names):
         cells = []
-        for result in results.values():
-            error, base = result["relrmse_percent"].get(name), result["relrmse_percent"]["base"]
-            if error is None:
+        for rows in results.values():
+            row = rows.get(name)
+            if row is None:
                 cells.append("-")
+            elif name == "default":
+                cells.append(f"{100 * row['relmse'] ** 0.5:.1f} %")
             else:
-                cells.append(f"{error:.2f} %" + ("" if name == "base" else f" ({(error / base) ** 2:.2f})"))
-        lines.append(f"| {'default' if name == 'base' else '`' + name + '`'} | " + " | ".join(cells) + " |")
+                cells.append(f"{row['work']:.2f} ({row['error_ratio']:.2f} x {row['time_ratio']:.2f})")
+        lines.append(f"| {name if name == 'default' else '`' + name + '`'} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
@@ -74,28 +96,34 @@ def main():
     parser.add_argument("scene", nargs="*")
     parser.add_argument("--scenes", help="a folder: its .gltf files with separate buffers")
     parser.add_argument("--environment")
-    parser.add_argument("--budget", type=float, default=40)
     parser.add_argument("--size-scale", type=float, default=0.25)
+    parser.add_argument("--spp", type=int, default=32)
+    parser.add_argument("--seeds", type=int, default=4)
     parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--quick", action="store_true", help="small images, six seconds a scene")
+    parser.add_argument("--quick", action="store_true", help="small images, two seeds, 8 samples a pixel")
     parser.add_argument("--json")
     parser.add_argument("--markdown")
     args = parser.parse_args()
     if args.quick:
-        args.size_scale, args.budget = 0.1, 6
+        args.size_scale, args.spp, args.seeds = 0.1, 8, 2
     scenes = list(args.scene)
     if args.scenes:
         scenes += sorted(str(f) for f in pathlib.Path(args.scenes).glob("*.gltf") if "uri\": \"data:" not in f.read_text())
     if not scenes:
         scenes = [str(HERE.parent / "assets/scenes/cornell.gltf")]
-    results = {pathlib.Path(scene).stem: measure(args, scene, None) for scene in scenes}
-    if args.environment:
-        name = f"{pathlib.Path(scenes[-1]).stem} in {pathlib.Path(args.environment).stem}"
-        results[name] = measure(args, scenes[-1], args.environment)
+    results = {}
+    with tempfile.TemporaryDirectory() as name:
+        for scene in scenes:
+            results[pathlib.Path(scene).stem] = measure(args, scene, None, pathlib.Path(name))
+            if args.json:
+                pathlib.Path(args.json).write_text(json.dumps({"load": os.getloadavg(), "scenes": results}, indent=1))
+        if args.environment:
+            key = f"{pathlib.Path(scenes[-1]).stem} in {pathlib.Path(args.environment).stem}"
+            results[key] = measure(args, scenes[-1], args.environment, pathlib.Path(name))
     text = table(results)
     print(text)
     if args.json:
-        pathlib.Path(args.json).write_text(json.dumps(results, indent=1))
+        pathlib.Path(args.json).write_text(json.dumps({"load": os.getloadavg(), "scenes": results}, indent=1))
     if args.markdown:
         pathlib.Path(args.markdown).write_text(text + "\n")
     return 0

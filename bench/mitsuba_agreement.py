@@ -14,6 +14,7 @@ installed (pip install mitsuba), nothing was compared.
 import argparse
 import copy
 import json
+import math
 import pathlib
 import subprocess
 import sys
@@ -123,9 +124,12 @@ def smooth(image):
 
 
 def image_size(args, gltf):
-    """args.size pixels wide, whole blocks."""
+    """About args.size pixels wide: whole blocks, and exactly the shape of the scene's picture."""
     width, height = gltf.size(1)
-    return args.size // BLOCK * BLOCK, max(BLOCK, round(args.size * height / width / BLOCK) * BLOCK)
+    common = math.gcd(width, height)
+    unit = BLOCK * width // common, BLOCK * height // common
+    times = max(1, round(args.size / unit[0]))
+    return times * unit[0], times * unit[1]
 
 
 def compare(args, file, folder, oracle, environment):

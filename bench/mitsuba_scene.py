@@ -87,8 +87,8 @@ def shape_of(gltf, material, arrays, bsdf):
     params["faces"] = arrays["faces"].ravel()
     if smooth:
         params["vertex_normals"] = arrays["normals"].astype(np.float32).ravel()
-    if mapped:  # rows of a bitmap go from the top down in both
-        params["vertex_texcoords"] = (arrays["uv"] * [1, -1] + [0, 1]).astype(np.float32).ravel()
+    if mapped:  # v goes down from the top row in both
+        params["vertex_texcoords"] = arrays["uv"].astype(np.float32).ravel()
     params.update()
     with tempfile.NamedTemporaryFile(suffix=".ply", delete=False) as file:
         mesh.write_ply(file.name)
