@@ -264,7 +264,7 @@ TEST(RayCones, MirrorsKeepTheSpreadAndOthersAddTheirShare) {
     const Material matte = SceneBuilder::diffuse(0.9f);
     double satin_spread = 0, matte_spread = 0;
     for (uint64_t sample = 0; sample < 32; ++sample) {
-        for (const Material* m : {&mirror, &satin, &matte}) {
+        for (const Material* m : std::array<const Material*, 3>{&mirror, &satin, &matte}) {
             const std::vector<ConeRecorder::Step> steps = cones_of(*m, sample);
             for (std::size_t i = 1; i < steps.size(); ++i) {
                 const ConeRecorder::Step& before = steps[i - 1];
