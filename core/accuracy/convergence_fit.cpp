@@ -61,8 +61,8 @@ PowerLaw fit_power(std::span<const Point> points) {
     const double prior_variance = base * (1 + off * off / (kTail * (base + slope_variance)));
     const double trust = prior_variance / (prior_variance + slope_variance);
     const double exponent = std::clamp(kPrior + trust * off, 1.0, kMostExponent);
-    const double doubt =
-        kDoubtOfLaw * (std::min(exponent, kEdges) - 1) + kDoubtOfSmooth * std::max(0.0, exponent - kRough);
+    const double doubt = kDoubtOfLaw * (std::min(exponent, kEdges) - 1) +
+                         kDoubtOfSmooth * std::max(0.0, exponent - kRough);
     // Where the data and the prior disagree, either may be right.
     constexpr double kDoubtOfPrior = 0.2;
     const double pulled = kDoubtOfPrior * (1 - trust) * off;
