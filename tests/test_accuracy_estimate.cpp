@@ -181,6 +181,48 @@ TEST(Accuracy, AnImageOfUnknownBrightnessIsNotGreen) {
     EXPECT_EQ(large.estimate().trust, Trust::green) << large.estimate().why;
 }
 
+TEST(Accuracy, AFewBrightPixelsAreRememberedForTwoDoublings) {
+    // One sample between 16 and 32 makes 15 % of the error then, and half of that at each doubling.
+    constexpr uint32_t kSide = 64;
+    constexpr float kBright = 44;
+    for (const bool bright : {false, true}) {
+        Film film(kSide, kSide);
+        NonFiniteCount counts;
+        ErrorTracker tracker;
+        tracker.reset(0);
+        std::mt19937 random(7);
+        std::uniform_real_distribution<float> value(0, 1);
+        for (uint64_t n = 1; n <= 256; ++n) {
+            for (uint32_t y = 0; y < kSide; ++y)
+                for (uint32_t x = 0; x < kSide; ++x)
+                    film.add(x, y, Rgb(value(random)), true, n, counts);
+            if (n == 20 && bright) film.pixel(9, 9).sum[0].add(kBright);
+            if (n == 20 && bright) film.pixel(9, 9).sum[1].add(kBright);
+            if (n == 20 && bright) film.pixel(9, 9).sum[2].add(kBright);
+            tracker.observe(film, n, static_cast<double>(n));
+            const ErrorEstimate& e = tracker.estimate();
+            if (n == 32) {
+                EXPECT_EQ(e.top_share > 0.1, bright) << e.top_share;
+            } else if (n == 64 || n == 128) {
+                EXPECT_LT(e.top_share, 0.1);
+                EXPECT_EQ(e.trust, bright ? Trust::amber : Trust::green) << n << " " << e.why;
+            } else if (n == 256) {
+                EXPECT_EQ(e.trust, Trust::green) << e.why;
+            }
+        }
+    }
+}
+
+TEST(Accuracy, ATargetIsMetWithNineInTen) {
+    ErrorEstimate e;
+    EXPECT_FALSE(e.meets(5));
+    e.valid = true;
+    e.relrmse_percent = 4;
+    e.hi95 = 4 * std::exp(1.96 * 0.1);
+    EXPECT_FALSE(e.meets(4 * std::exp(0.127)));
+    EXPECT_TRUE(e.meets(4 * std::exp(0.129)));
+}
+
 TEST(Accuracy, FirmPredictionsAreKept) {
     int firm = 0, kept = 0, all = 0;
     for (const synthetic::Scene& scene : synthetic::scenes()) {

@@ -34,13 +34,14 @@ struct PowerLaw {
 // prior's tails are as heavy as those of Cauchy's law: the further the slope lies from its middle
 // the less it pulls, or else a picture of edges would be taken for one of many-bounce light.
 PowerLaw fit_power(std::span<const Point> points) {
-    constexpr double kPrior = 1.0, kPriorSd = 0.035, kTail = 1.25;
+    constexpr double kPrior = 1.0, kPriorSd = 0.035, kTail = 1;
     constexpr double kAlone = 1.05, kAloneSd = 0.13;
     constexpr double kLeastSlopeSd = 0.065;  // odd and even powers of two differ
     constexpr double kMostExponent = 3;
     // The law is sure at 1 only, where all samples are independent; a slope far beyond that of edges
     // is one of smooth light, of which no picture has nothing but.
-    constexpr double kDoubtOfLaw = 0.08, kDoubtOfSmooth = 0.55, kRough = 1.65;
+    constexpr double kDoubtOfLaw = 0.06, kDoubtOfSmooth = 0.6;
+    constexpr double kEdges = 1.5, kRough = 1.65;
     if (points.size() == 1) return {kAlone, kAloneSd};
     double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;
     for (const Point& p : points) {
@@ -60,8 +61,8 @@ PowerLaw fit_power(std::span<const Point> points) {
     const double prior_variance = base * (1 + off * off / (kTail * (base + slope_variance)));
     const double trust = prior_variance / (prior_variance + slope_variance);
     const double exponent = std::clamp(kPrior + trust * off, 1.0, kMostExponent);
-    const double doubt =
-        kDoubtOfLaw * (exponent - 1) + kDoubtOfSmooth * std::max(0.0, exponent - kRough);
+    const double doubt = kDoubtOfLaw * (std::min(exponent, kEdges) - 1) +
+                         kDoubtOfSmooth * std::max(0.0, exponent - kRough);
     // Where the data and the prior disagree, either may be right.
     constexpr double kDoubtOfPrior = 0.2;
     const double pulled = kDoubtOfPrior * (1 - trust) * off;
