@@ -69,9 +69,9 @@ Ray ray_at(const SceneData& scene, Rng& rng) {
     return ray;
 }
 
-// The ground of a city and the sides of its boxes are flat: parts of them would fill the leaves and
-// save no surface. Turned a little, they are cut.
-TEST(Cuts, FlatTrianglesStayWhole) {
+// Parts of the ground of a city would fill the leaves of its boxes and save no surface. Turned a
+// little, it is cut.
+TEST(Cuts, GroundStaysWhole) {
     const MeshData straight = city(400, 2);
     MeshData turned = straight;
     for (Vec3f& p : turned.positions) {
