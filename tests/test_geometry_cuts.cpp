@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/bvh_accel.h"
 #include "core/geometry/spatial_split.h"
 #include "geometry_scenes.h"
 
@@ -66,6 +67,59 @@ Ray ray_at(const SceneData& scene, Rng& rng) {
     ray.o = rng.below(2) != 0 ? point() : point() + rng.in_box(-2, 2);
     ray.d = rng.below(4) != 0 ? point() - ray.o : rng.direction();
     return ray;
+}
+
+// Parts of the ground of a city would fill the leaves of its boxes and save no surface. Turned a
+// little, it is cut.
+TEST(Cuts, GroundStaysWhole) {
+    const MeshData straight = city(400, 2);
+    MeshData turned = straight;
+    for (Vec3f& p : turned.positions) {
+        const Vec3f q(p.x + 0.3f * p.y, p.y - 0.3f * p.x, p.z);
+        p = Vec3f(q.x, q.y + 0.2f * q.z, q.z - 0.2f * q.y);
+    }
+    const auto whole = build(scene_of(straight), BuildQuality::high);
+    EXPECT_EQ(whole->stats().references, whole->stats().triangles);
+    const auto cut = build(scene_of(turned), BuildQuality::high);
+    EXPECT_GT(cut->stats().references, cut->stats().triangles);
+}
+
+// Searches that any hit ends look at the last child first: that must be the one with the least
+// below it.
+TEST(Cuts, SmallChildrenComeLast) {
+    for (const BuildQuality quality : {BuildQuality::fast, BuildQuality::high}) {
+        const SceneData scene = scene_of(mixed_sizes());
+        const auto accel = build(scene, quality);
+        const Tree& tree = dynamic_cast<const BvhAccel&>(*accel).scene.top;
+        uint64_t nodes = 0;
+        const auto below = [&](const auto& self, uint32_t ref) -> uint64_t {
+            if (ChildRef::is_leaf(ref)) {
+                uint64_t count = 0;
+                for (uint32_t k = 0; k < ChildRef::count(ref); ++k) {
+                    for (const uint32_t id : tree.blocks[ChildRef::first(ref) + k].primitive)
+                        count += id != kNoId ? 1 : 0;
+                }
+                return count;
+            }
+            ++nodes;
+            const WideNode& node = tree.nodes[ref];
+            uint64_t total = 0;
+            uint64_t last = kNoId;
+            for (size_t i = 0; i < kNodeWidth; ++i) {
+                if (!(node.plane[0][i] <= node.plane[1][i])) continue;
+                const uint64_t count = self(self, node.child[i]);
+                // Parts that were cut below a child count more than once.
+                if (quality == BuildQuality::fast) {
+                    EXPECT_LE(count, last);
+                }
+                last = count;
+                total += count;
+            }
+            return total;
+        };
+        EXPECT_EQ(below(below, tree.root), tree.references);
+        EXPECT_EQ(nodes, tree.nodes.size());
+    }
 }
 
 TEST(Cuts, HitsAreThoseOfBruteForce) {

@@ -12,6 +12,7 @@ namespace talbot {
 namespace {
 
 constexpr uint32_t kPlanes = 16;          // bins along an axis
+constexpr float kAlmostAll = 0.9f;        // of a box's extent
 constexpr uint64_t kCutPieceSize = 8192;  // primitives that a worker takes at a time
 
 bool is_empty(const Box& box) {
@@ -24,8 +25,9 @@ struct Slices {
     Float4 lower;
     Float4 width{0, 0, 0, 0};
     Float4 scale{0, 0, 0, 0};  // 0: not to be split along this axis
+    Float4 most;               // almost the box's extents
 
-    explicit Slices(const Box& box) : lower(box.lower) {
+    explicit Slices(const Box& box) : lower(box.lower), most(kAlmostAll * (box.upper - box.lower)) {
         for (int i = 0; i < 3; ++i) {
             const float extent = box.upper[i] - box.lower[i];
             const float s = static_cast<float>(kPlanes) / extent;
@@ -50,15 +52,22 @@ struct Slices {
     }
 };
 
-// The parts of a flat box would have as much surface together as the whole, so it is not cut: it
-// goes where its middle is.
-bool is_flat(const BuildPrimitive& p) {
-    return p.lower.x == p.upper.x || p.lower.y == p.upper.y || p.lower.z == p.upper.z;
+// Flat, and all but as large as the box that is split: it stays whole and goes where its middle is,
+// for its parts would have as much surface together and fill every leaf below. Splits by centroids
+// soon give it a leaf of its own.
+bool is_ground(const BuildPrimitive& p, const Slices& slices) {
+    bool is_flat = false;
+    for (int i = 0; i < 3; ++i) {
+        const float extent = p.upper[i] - p.lower[i];
+        if (extent == 0) is_flat = true;
+        if (extent > 0 && extent < slices.most[i]) return false;
+    }
+    return is_flat;
 }
 
 // The first and the last slice of a primitive.
 std::pair<uint32_t, uint32_t> slices_of(const BuildPrimitive& p, const Slices& slices, int axis) {
-    if (is_flat(p)) {
+    if (is_ground(p, slices)) {
         const uint32_t middle = slices.first_of(0.5f * p.lower[axis] + 0.5f * p.upper[axis], axis);
         return {middle, middle};
     }
