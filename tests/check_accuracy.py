@@ -187,15 +187,15 @@ def check_adaptive(talbot, scene, folder):
     """The same film over threads, tiles and a resumed run; no parts and no merging."""
     def film_hash(*words):
         report = str(folder / "adaptive.json")
-        run(talbot, scene, "--adaptive", "--size", "29x21", "--quiet", *words, "--report", report)
+        run(talbot, scene, "--adaptive", "--size", "61x45", "--quiet", *words, "--report", report)
         record = json.load(open(report))
         check(record["adaptive"] is True, "adaptive: in the run record")
         return record["film_hash"], record["samples"]
     whole, samples = film_hash("--frames", "150", "--threads", "1")
-    check(samples < 150 * 29 * 21, f"adaptive: fewer samples: {samples}")
+    check(samples < 150 * 61 * 45, f"adaptive: fewer samples: {samples}")
     check(film_hash("--frames", "150", "--threads", "3", "--tile-size", "5")[0] == whole, "adaptive: threads and tiles")
     for stop in ("20", "77", "128"):
-        part = str(folder / "adaptive.film")
+        part = str(folder / "adaptive.part")
         film_hash("--frames", stop, "--film", part)
         check(film_hash("--frames", "150", "--resume", part)[0] == whole, f"adaptive: resumed after {stop}")
     refused = run(talbot, "merge", str(folder / "out.film"), part, part, code=3)
