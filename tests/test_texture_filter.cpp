@@ -218,8 +218,6 @@ TEST(TextureLevel, WhereThereAreNoCoordinatesNothingIsFiltered) {
     EXPECT_FALSE(*level > 0);
 }
 
-// --- Cones along a path ------------------------------------------------------------------------
-
 struct ConeRecorder final : PathObserver {
     struct Step {
         RayCone cone;  // at the ray's origin
@@ -433,7 +431,6 @@ TEST(TextureFilter, CoverageIsNotFiltered) {
 TEST(TextureFilter, TheLedgerMeasuresIt) {
     // A wall of checks of 2x2 pixels, edges on edges: without filtering there is no noise, and with
     // it every pixel has some of its neighbours.
-    constexpr uint32_t kPixels = 64;
     SceneBuilder builder;
     builder.environment(Rgb(1));
     Material m = SceneBuilder::diffuse(1);
@@ -445,7 +442,7 @@ TEST(TextureFilter, TheLedgerMeasuresIt) {
     Camera camera = camera_at(Vec3d(0, 0, 3), Vec3d(0));
     camera.kind = CameraKind::orthographic;
     RenderSettings on;
-    on.width = on.height = kPixels;
+    on.width = on.height = 64;
     on.texture_filter = TextureFiltering::cones;
     const std::vector<BiasEntry> ledger = measure_bias(scene, camera, on, 0, workers());
     ASSERT_EQ(ledger.size(), 1u);
