@@ -61,8 +61,8 @@ double half_step(double x, bool srgb) {
     if (!srgb) return 0.5 / 255;
     int i = 0;
     while (i < 254 && decoded(static_cast<uint8_t>(i + 1), true) <= x) ++i;
-    return 0.5 * (decoded(static_cast<uint8_t>(i + 1), true) -
-                  decoded(static_cast<uint8_t>(i), true));
+    return 0.5 *
+           (decoded(static_cast<uint8_t>(i + 1), true) - decoded(static_cast<uint8_t>(i), true));
 }
 
 const std::array<std::pair<uint32_t, uint32_t>, 9> kSizes{
@@ -76,12 +76,11 @@ double worst_mean(const Image8& image, TexelMean mean, const Levels& levels) {
     for (const auto& level : levels) {
         for (int c = 0; c < 4; ++c) {
             const bool coded = srgb && c < 3;
-            const double want =
-                area_mean(image, c, srgb, false, 0, image.width, 0, image.height);
+            const double want = area_mean(image, c, srgb, false, 0, image.width, 0, image.height);
             const double is = area_mean(*level, c, srgb, false, 0, level->width, 0, level->height);
             // Each texel is off by at most half the coarsest step in the image.
-            const double step = level->width * level->height == 1 ? half_step(want, coded)
-                                                                  : half_step(1, coded);
+            const double step =
+                level->width * level->height == 1 ? half_step(want, coded) : half_step(1, coded);
             worst = std::max(worst, std::abs(is - want) / step);
         }
     }
@@ -143,10 +142,9 @@ TEST(TexturePyramid, TexelsAreMeansOverTheirAreas) {
                         const bool by_alpha = mean == TexelMean::srgb_by_alpha && c < 3;
                         const double want = area_mean(image, c, srgb, by_alpha, x * sx,
                                                       (x + 1) * sx, y * sy, (y + 1) * sy);
-                        const double is = decoded(
-                            half.rgba[4 * (std::size_t{y} * half.width + x) +
-                                      static_cast<std::size_t>(c)],
-                            srgb && c < 3);
+                        const double is = decoded(half.rgba[4 * (std::size_t{y} * half.width + x) +
+                                                            static_cast<std::size_t>(c)],
+                                                  srgb && c < 3);
                         // Transparent texels weigh next to nothing, but not nothing.
                         const double room = by_alpha ? 0.002 : 1e-6;
                         EXPECT_NEAR(is, want, half_step(want, srgb && c < 3) + room)
@@ -210,8 +208,9 @@ TEST(TexturePyramid, ATextureWithoutLevelsHasNone) {
     const uint32_t with = add_texture(builder.desc(), 16, noise);
     const uint32_t without = add_texture(builder.desc(), 16, noise);
     const uint32_t lamp = add_texture(builder.desc(), 16, noise);
-    const uint32_t even =
-        add_texture(builder.desc(), 16, [](uint32_t, uint32_t) { return std::array{9, 9, 9, 255}; });
+    const uint32_t even = add_texture(builder.desc(), 16, [](uint32_t, uint32_t) {
+        return std::array{9, 9, 9, 255};
+    });
     builder.desc().textures[without].levels = TextureLevels::none;
     Material m = SceneBuilder::diffuse(1);
     m.base_color_texture = slot_of(with);
