@@ -293,7 +293,7 @@ def cell(row):
     if "failed" in row:
         return "failed"
     if "figure" in row:
-        return "0" if row["figure"] == 0 else f"{100 * row['figure']:.2g} %"
+        return "0" if row["figure"] == 0 else f"{100 * row['figure']:.3g} %"
     if row["case"] == MIRRORED:
         return f"mean {100 * (row['mean_ratio'] - 1):+.1f} %"
     if row["same"]:
