@@ -209,6 +209,9 @@ CaseResult run(Effort effort) {
     double naive_furnace = 0;
     result.images.push_back(picture(effort, naive_furnace, result.nonfinite, pool));
 
+    // Total reflection traps light in glass for more than the usual 64 surfaces.
+    PathSettings endless;
+    endless.max_depth = 1u << 16;
     WorstError furnace;
     WorstError furnace_z;
     Sweep sweep{"optical thickness of the radius",
@@ -230,7 +233,7 @@ CaseResult run(Effort effort) {
                     NonFiniteCount bad;
                     const Film film =
                         render_film(body(kind, sigma, g, ior).build(pool),
-                                    camera_at(Vec3d(0, 0, 6), Vec3d(0), 0.12), PathSettings{}, 8, 8,
+                                    camera_at(Vec3d(0, 0, 6), Vec3d(0), 0.12), endless, 8, 8,
                                     full ? 256 : 16, pool, -1, &bad);
                     result.nonfinite += bad.total();
                     const stats::Moments pixels = of_pixels(film);
