@@ -231,10 +231,9 @@ CaseResult run(Effort effort) {
                     if (!full && (ior > 1 || (g != 0 && kind == Body::box))) continue;
                     if (sigma > 50 && (kind != Body::sphere || std::abs(g) > 0.9f)) continue;
                     NonFiniteCount bad;
-                    const Film film =
-                        render_film(body(kind, sigma, g, ior).build(pool),
-                                    camera_at(Vec3d(0, 0, 6), Vec3d(0), 0.12), endless, 8, 8,
-                                    full ? 256 : 16, pool, -1, &bad);
+                    const Film film = render_film(body(kind, sigma, g, ior).build(pool),
+                                                  camera_at(Vec3d(0, 0, 6), Vec3d(0), 0.12),
+                                                  endless, 8, 8, full ? 256 : 16, pool, -1, &bad);
                     result.nonfinite += bad.total();
                     const stats::Moments pixels = of_pixels(film);
                     const double e = std::abs(pixels.mean() - 1);
