@@ -1,5 +1,7 @@
 #include "core/io/scene_motion.h"
 
+#include <atomic>
+
 #include "core/base/log.h"
 
 namespace talbot {
@@ -22,16 +24,18 @@ Result<std::shared_ptr<const Scene>> set_in_motion(std::shared_ptr<const Scene> 
     LoadOptions then = options;
     then.stop = {};
     then.progress = nullptr;
-    motion->moment = [file = std::move(file), then](double seconds, WorkerPool& pool,
-                                                    std::shared_ptr<const Scene> previous,
-                                                    const std::stop_token& stop) {
+    auto told = std::make_shared<std::atomic<bool>>(false);  // why a moment cannot be read
+    motion->moment = [file = std::move(file), then, told](double seconds, WorkerPool& pool,
+                                                          std::shared_ptr<const Scene> previous,
+                                                          const std::stop_token& stop) {
         LoadOptions load = then;
         load.animation_time = seconds;
         load.threads = pool.size();
         load.stop = stop;
         Result<SceneDesc> desc = file->read(load);
         if (!desc) {
-            if (desc.error().kind != ErrorKind::cancelled) log_warning(desc.error().line());
+            if (desc.error().kind != ErrorKind::cancelled && !told->exchange(true))
+                log_warning(desc.error().line());
             return std::shared_ptr<const Scene>();
         }
         SceneBuildOptions build;
