@@ -1,7 +1,3 @@
-# The glTF tests build JSON at length: without optimisation they compile several times faster.
-file(GLOB TALBOT_IO_TESTS CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test_io_gltf_*.cpp)
-set_source_files_properties(${TALBOT_IO_TESTS} PROPERTIES COMPILE_OPTIONS "-O0")
-
 # Encoders, to make compressed input.
 target_link_libraries(test_io_gltf_meshopt PRIVATE ${TALBOT_MESHOPTIMIZER})
 target_link_libraries(test_io_gltf_draco PRIVATE ${TALBOT_DRACO_LIBRARIES})
