@@ -141,8 +141,9 @@ Result<std::string> section(const CaseRow& row) {
         if (!part) return part.error();
         html += *part;
     }
-    for (const Sweep& sweep : row.result.sweeps) html += sweep_svg(sweep);
-    return html;
+    html += "<div class=\"images\">";
+    for (const Sweep& sweep : row.result.sweeps) html += "<div>" + sweep_svg(sweep) + "</div>";
+    return html + "</div>";
 }
 
 std::string head(const CaseReport& report) {

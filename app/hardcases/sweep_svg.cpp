@@ -113,6 +113,16 @@ std::vector<double> marks(const Axis& x) {
     return at;
 }
 
+// 1e6 and 1e-7 instead of 1e+06 and 1e-07.
+std::string mark_text(double x) {
+    std::string text = format("%.3g", x);
+    std::size_t digits = text.find('e');
+    if (digits == std::string::npos) return text;
+    digits += text[digits + 1] == '-' ? 2 : 1;
+    const std::size_t first = text.find_first_of("123456789", digits);
+    return text.erase(digits, first - digits);
+}
+
 std::string ticks(const Axis& x, const Axis& y) {
     std::string svg;
     const double step = std::max(1.0, std::ceil((y.high - y.low) / 8));
@@ -125,8 +135,8 @@ std::string ticks(const Axis& x, const Axis& y) {
     for (const double at : marks(x)) {
         const double px = x.pixel(at);
         svg += tick_line(px, kTop, px, kHeight - kBottom);
-        svg += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%.3g</text>", px,
-                      kHeight - kBottom + 16, at);
+        svg += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%s</text>", px,
+                      kHeight - kBottom + 16, mark_text(at).c_str());
     }
     return svg;
 }
