@@ -2,47 +2,22 @@
 // same bytes each time.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
+#include <vector>
+
+#include "tests/program.h"
 
 namespace talbot {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Outcome {
-    int code = -1;
-    std::string output;
-};
-
-Outcome run(const std::string& arguments) {
-    const std::string command =
-        "timeout 60 env -u DISPLAY -u WAYLAND_DISPLAY '" TALBOT_BINARY "' " + arguments + " 2>&1";
-    FILE* pipe = popen(command.c_str(), "r");
-    Outcome outcome;
-    char buffer[4096];
-    for (std::size_t n = 0; (n = std::fread(buffer, 1, sizeof(buffer), pipe)) > 0;)
-        outcome.output.append(buffer, n);
-    const int status = pclose(pipe);
-    outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    return outcome;
-}
-
-std::string read_bytes(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
+using program::Outcome;
+using program::run;
 
 const std::string kCornell = "'" TALBOT_SOURCE_DIR "/assets/scenes/cornell.gltf'";
 
@@ -75,7 +50,7 @@ TEST_F(CommandLine, SameBytesForAnyThreadsAndTileSizeAndRun) {
         const std::string file = path("x.exr");
         EXPECT_EQ(
             run(kCornell + " --frames 4 --size 64x64 --output " + file + " " + arguments).code, 0);
-        return read_bytes(file);
+        return program::read_text(file);
     };
     const std::string bytes = exr("--threads 1");
     ASSERT_GT(bytes.size(), 1000u);
@@ -86,6 +61,45 @@ TEST_F(CommandLine, SameBytesForAnyThreadsAndTileSizeAndRun) {
     EXPECT_NE(exr("--seed 1"), bytes);
 }
 
+// The sets of this machine, as the refusal of an unknown one lists them.
+std::vector<std::string> instruction_sets() {
+    const std::string refusal = run(kCornell + " --frames 1 --isa none").output;
+    const std::string before = "it has ";
+    const std::size_t start = refusal.find(before);
+    if (start == std::string::npos) return {};
+    std::istringstream list(
+        refusal.substr(start + before.size(), refusal.find(';', start) - start - before.size()));
+    std::vector<std::string> names;
+    for (std::string name; std::getline(list >> std::ws, name, ',');) names.push_back(name);
+    return names;
+}
+
+TEST_F(CommandLine, EveryInstructionSetGivesTheSameFilm) {
+    for (const std::string& command :
+         {kCornell + " --frames 1", "effects " + kCornell, std::string("hardcases --only E05")})
+        expect_refusal(command + " --isa MMX", 2, "'MMX' is no instruction set of this machine");
+    const auto record = [&](const std::string& arguments) {
+        const Outcome outcome =
+            run(kCornell + " --frames 4 --size 48x32 --report " + path("r.json") + " " + arguments);
+        EXPECT_EQ(outcome.code, 0) << outcome.output;
+        return program::read_json(path("r.json"));
+    };
+    const nlohmann::json best = record("");
+    const std::vector<std::string> sets = instruction_sets();
+    ASSERT_GE(sets.size(), 2u) << "no scalar code beside the machine's best";
+    EXPECT_EQ(best["machine"]["isa"], sets.front());
+    for (const std::string& name : sets) {
+        const nlohmann::json j = record("--isa " + name);
+        EXPECT_EQ(j["machine"]["isa"], name);
+        EXPECT_EQ(j["film_hash"], best["film_hash"]) << name;
+        const Outcome cases =
+            run("hardcases --only E05 --isa " + name + " --json " + path("cases.json"));
+        EXPECT_EQ(cases.code, 0) << cases.output;
+        EXPECT_EQ(program::read_json(path("cases.json"))["machine"]["isa"], name);
+    }
+    EXPECT_NE(record("--seed 1")["film_hash"], best["film_hash"]);
+}
+
 TEST_F(CommandLine, WritesEveryFormatAndTheRunRecord) {
     const Outcome outcome = run(kCornell + " --frames 2 --size 32x32 --output " + path("a.png") +
                                 " --output " + path("a.exr") + " --output " + path("a.hdr") +
@@ -93,7 +107,7 @@ TEST_F(CommandLine, WritesEveryFormatAndTheRunRecord) {
     EXPECT_EQ(outcome.code, 0) << outcome.output;
     for (const char* name : {"a.png", "a.exr", "a.hdr", "a.pfm"})
         EXPECT_GT(fs::file_size(path(name)), 100u);
-    const std::string record = read_bytes(path("a.json"));
+    const std::string record = program::read_text(path("a.json"));
     for (const char* field : {"talbot-run/1", "sha256", "relrmse_percent", "film_hash", "witness",
                               "peak_memory_bytes"}) {
         EXPECT_NE(record.find(field), std::string::npos) << field;
@@ -149,7 +163,7 @@ TEST_F(CommandLine, AnInterruptWritesWhatThereIsAndExits130) {
 TEST_F(CommandLine, ReplayOfASampleEndsInTheFilmsOwnNumber) {
     const std::string file = path("one.pfm");
     ASSERT_EQ(run(kCornell + " --frames 1 --size 16x16 --output " + file).code, 0);
-    const std::string pfm = read_bytes(file);
+    const std::string pfm = program::read_text(file);
     // Row 0 of a .pfm is the bottom one.
     const std::size_t header = pfm.size() - 16 * 16 * 3 * sizeof(float);
     float pixel[3];
@@ -189,7 +203,7 @@ TEST_F(CommandLine, OutputsThatCollideAreRefused) {
     expect_refusal(render + "--output " + file + " --film " + path("./same.png"), 2, "two outputs");
     write("scene.gltf", R"({"asset":{"version":"2.0"}})");
     expect_refusal(path("scene.gltf") + " --frames 1 --report " + path("scene.gltf"), 2, "input");
-    EXPECT_EQ(read_bytes(path("scene.gltf")).size(), 27u);
+    EXPECT_EQ(program::read_text(path("scene.gltf")).size(), 27u);
     EXPECT_FALSE(fs::exists(file));
 }
 

@@ -43,7 +43,7 @@ struct Sweep {
     std::string parameter;  // name and unit of the axis
     std::string metric;
     bool log_parameter = true;
-    double limit = 0;
+    double limit = 0;  // NaN where no gate is about this figure itself
     std::vector<SweepPoint> points;
 };
 

@@ -16,13 +16,14 @@ namespace {
 const char* const kStyle = R"(
 body{font:15px/1.45 system-ui,sans-serif;margin:2em auto;max-width:1240px;padding:0 1em;color:#222}
 h1{font-size:1.5em}h2{font-size:1.15em;margin-top:2.2em;border-top:1px solid #ccc;padding-top:.8em}
-table{border-collapse:collapse;width:100%}td,th{padding:.25em .6em;text-align:right;border-bottom:1px solid #ddd}
+table{border-collapse:collapse;width:100%}th{white-space:nowrap}td,th{padding:.25em .6em;text-align:right;border-bottom:1px solid #ddd}
 td.text,th.text{text-align:left}td.where{text-align:left;font:12px monospace;word-break:break-all}
 td{font-variant-numeric:tabular-nums;white-space:nowrap}td.text{white-space:normal}td.where{white-space:normal}
 .PASS{color:#1a7f37;font-weight:600}.FAIL,.BLIND{color:#fff;background:#c22;font-weight:600;padding:0 .35em}
 .images{display:flex;gap:1em;flex-wrap:wrap}figure{margin:.5em 0;width:362px}
 figure img{image-rendering:pixelated;width:360px;border:1px solid #ccc;display:block}
-figure img.scale{height:12px}figcaption,.key{font-size:.85em;color:#555}.key{margin-top:0}
+figure img.scale{height:12px}
+.scale-marks{display:flex;justify-content:space-between;font-size:.8em;color:#555}figcaption,.key{font-size:.85em;color:#555}.key{margin-top:0}
 svg text{font-size:11px;fill:#333}dl{margin:.3em 0}dt{float:left;clear:left;width:6em;color:#555}dd{margin-left:6em}
 )";
 
@@ -109,8 +110,9 @@ Result<std::string> pictures(const CaseImages& images) {
     if (!bar) return bar.error();
     std::string html = "<div class=\"images\">" + *naive + "</figure>" + *own + "</figure>" +
                        *difference + "<img class=\"scale\" alt=\"\" src=\"" + *bar +
-                       "\"><figcaption>difference, relative: 0.1 % to 100 %, every step of the "
-                       "bar's length the same ratio</figcaption></figure></div>";
+                       "\"><div class=\"scale-marks\"><span>0.1 %</span><span>1 %</span><span>10 %"
+                       "</span><span>100 %</span></div><figcaption>relative difference"
+                       "</figcaption></figure></div>";
     if (!images.scene_gltf.empty()) {
         const std::vector<uint8_t> bytes(images.scene_gltf.begin(), images.scene_gltf.end());
         html += "<p><a download=\"" + escape_html(images.scene_file_name) +
@@ -139,8 +141,9 @@ Result<std::string> section(const CaseRow& row) {
         if (!part) return part.error();
         html += *part;
     }
-    for (const Sweep& sweep : row.result.sweeps) html += sweep_svg(sweep);
-    return html;
+    html += "<div class=\"images\">";
+    for (const Sweep& sweep : row.result.sweeps) html += "<div>" + sweep_svg(sweep) + "</div>";
+    return html + "</div>";
 }
 
 std::string head(const CaseReport& report) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
+#include <vector>
 
 #include "app/hardcases/report.h"
 #include "app/html_text.h"
@@ -15,6 +17,10 @@ constexpr double kWidth = 560, kHeight = 300;
 constexpr double kLeft = 70, kRight = 30, kTop = 15, kBottom = 45;
 constexpr const char* kNaiveColor = "#c2410c";
 constexpr const char* kOwnColor = "#1d6fb8";
+constexpr const char* kLimitColor = "#b00";
+
+// Of a mark's own step, for rounding.
+constexpr double kSlack = 1e-6;
 
 std::string format(const char* text, auto... values) {
     char buffer[512];
@@ -84,6 +90,39 @@ std::string tick_line(double x0, double y0, double x1, double y1) {
                   x1, y1);
 }
 
+// Values of the horizontal axis at which it is marked: decades where it has enough of them, else
+// even steps of 1, 2 or 5 times a power of ten.
+std::vector<double> marks(const Axis& x) {
+    constexpr double kMost = 8;
+    const double range = x.high - x.low;
+    std::vector<double> at;
+    if (x.log && range >= 2) {
+        const double step = std::ceil(range / kMost);
+        for (double d = std::ceil(x.low - kSlack); d <= x.high + kSlack; d += step)
+            at.push_back(std::pow(10, d));
+        return at;
+    }
+    const double low = x.log ? std::pow(10, x.low) : x.low;
+    const double high = x.log ? std::pow(10, x.high) : x.high;
+    double step = std::pow(10, std::floor(std::log10((high - low) / kMost)));
+    for (const double factor : {2.0, 2.5, 2.0}) {
+        if ((high - low) / step > kMost) step *= factor;
+    }
+    for (double k = std::ceil(low / step - kSlack); k * step <= high + kSlack * step; ++k)
+        at.push_back(k * step);
+    return at;
+}
+
+// 1e6 and 1e-7 instead of 1e+06 and 1e-07.
+std::string mark_text(double x) {
+    std::string text = format("%.3g", x);
+    std::size_t digits = text.find('e');
+    if (digits == std::string::npos) return text;
+    digits += text[digits + 1] == '-' ? 2 : 1;
+    const std::size_t first = text.find_first_of("123456789", digits);
+    return text.erase(digits, first - digits);
+}
+
 std::string ticks(const Axis& x, const Axis& y) {
     std::string svg;
     const double step = std::max(1.0, std::ceil((y.high - y.low) / 8));
@@ -93,32 +132,47 @@ std::string ticks(const Axis& x, const Axis& y) {
         svg += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">%s</text>", kLeft - 6,
                       py + 4, d == y.low ? "0" : format("1e%.0f", d).c_str());
     }
-    constexpr int kTicks = 6;
-    for (int i = 0; i <= kTicks; ++i) {
-        const double share = x.low + (x.high - x.low) * i / kTicks;
-        const double px = x.at_low + (x.at_high - x.at_low) * i / kTicks;
+    for (const double at : marks(x)) {
+        const double px = x.pixel(at);
         svg += tick_line(px, kTop, px, kHeight - kBottom);
-        svg += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%.2g</text>", px,
-                      kHeight - kBottom + 16, x.log ? std::pow(10, share) : share);
+        svg += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%s</text>", px,
+                      kHeight - kBottom + 16, mark_text(at).c_str());
     }
     return svg;
 }
 
+// Dots for all points, and a line through the largest of each parameter.
 std::string curve(const Sweep& sweep, const Axis& x, const Axis& y, double SweepPoint::*figure,
                   const char* name, const char* color) {
+    std::map<double, double> highest;  // on the screen: the least distance from its top
     std::string points, dots;
     for (const SweepPoint& p : sweep.points) {
         if (std::isnan(p.*figure)) continue;
         const double px = x.pixel(p.parameter);
         const double py = figure_pixel(y, p.*figure);
-        points += format("%.1f,%.1f ", px, py);
+        const auto place = highest.emplace(px, py).first;
+        place->second = std::min(place->second, py);
         dots +=
             format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3.5\" fill=\"%s\"><title>", px, py, color);
         dots += std::string(name) + ": " + figure_text(p.*figure) + " at " +
                 figure_text(p.parameter) + "</title></circle>";
     }
+    for (const auto& [px, py] : highest) points += format("%.1f,%.1f ", px, py);
     return "<polyline points=\"" + points + "\" fill=\"none\" stroke-width=\"2\" stroke=\"" +
            color + "\"/>" + dots;
+}
+
+bool has_any(const Sweep& sweep, double SweepPoint::*figure) {
+    return std::any_of(sweep.points.begin(), sweep.points.end(),
+                       [figure](const SweepPoint& p) { return !std::isnan(p.*figure); });
+}
+
+std::string limit_line(double limit, const Axis& y) {
+    const double at = figure_pixel(y, limit);
+    return format(
+        "<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"%s\" "
+        "stroke-dasharray=\"6 4\"><title>limit %s</title></line>",
+        kLeft, kWidth - kRight, at, at, kLimitColor, figure_text(limit).c_str());
 }
 
 }  // namespace
@@ -130,18 +184,19 @@ std::string sweep_svg(const Sweep& sweep) {
     std::string svg =
         format("<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\">", kWidth, kHeight, kWidth);
     svg += ticks(x, y);
-    const double limit = figure_pixel(y, sweep.limit);
-    svg += format(
-        "<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"#b00\" "
-        "stroke-dasharray=\"6 4\"><title>limit %s</title></line>",
-        kLeft, kWidth - kRight, limit, limit, figure_text(sweep.limit).c_str());
-    svg += curve(sweep, x, y, &SweepPoint::naive, "naive", kNaiveColor);
-    svg += curve(sweep, x, y, &SweepPoint::own, "own", kOwnColor);
+    std::string key;
+    const auto add = [&](const std::string& drawn, const char* name, const char* color) {
+        svg += drawn;
+        key += std::string(key.empty() ? "" : ", ") + "<b style=\"color:" + color + "\">" + name +
+               "</b>";
+    };
+    if (has_any(sweep, &SweepPoint::naive))
+        add(curve(sweep, x, y, &SweepPoint::naive, "naive", kNaiveColor), "naive", kNaiveColor);
+    add(curve(sweep, x, y, &SweepPoint::own, "own", kOwnColor), "own", kOwnColor);
+    if (!std::isnan(sweep.limit)) add(limit_line(sweep.limit, y), "limit", kLimitColor);
     svg += format("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", kWidth - kRight, kHeight - 8);
     svg += escape_html(sweep.parameter) + "</text></svg><p class=\"key\">" +
-           escape_html(sweep.metric) + ": <b style=\"color:" + kNaiveColor +
-           "\">naive</b>, <b style=\"color:" + kOwnColor +
-           "\">own</b>, <b style=\"color:#b00\">limit</b></p>";
+           escape_html(sweep.metric) + ": " + key + "</p>";
     return svg;
 }
 

@@ -36,6 +36,10 @@ namespace local_ray_detail {
 // hit at all.
 bool rescale(const Ray& ray, LocalRay& local);
 
+// The exponent of a direction (biased, of a double) brought to what kMaxScaleExponent allows; false
+// when the scaled direction would then be out of range, or is zero.
+bool limit_exponent(uint64_t& exponent);
+
 // Slabs that the ray runs along, or all but along.
 void set_parallel_slabs(const ShearedRay& ray, const Bounds& bounds, SlabRay& slabs);
 
@@ -78,18 +82,19 @@ TALBOT_FORCE_INLINE bool to_object_space(const Ray& ray, const SceneObject& obje
                                          LocalRay& local) {
     const Vec3d o = object.object_from_world * Vec3d(ray.o) + object.object_from_world_offset;
     const Vec3d d = object.object_from_world * Vec3d(ray.d);
-    const double largest = max_component(glm::abs(d));
-    if (!is_finite(o) || !is_finite(d) || !(largest > 0)) return false;
+    if (!is_finite(o) || !is_finite(d)) return false;
     if (max_component(glm::abs(o)) > kMaxCoordinate) return false;
-    // 2^-exponent of the largest component; a denormal one leaves no t_scale that float can hold.
-    const uint64_t exponent = std::bit_cast<uint64_t>(largest) >> 52;
-    if (exponent == 0 || exponent > 2 * kDoubleBias - 1) return false;
+    // 2^-exponent of the largest component.
+    uint64_t exponent = std::bit_cast<uint64_t>(max_component(glm::abs(d))) >> 52;
+    constexpr uint64_t kLeast = kDoubleBias - kMaxScaleExponent;
+    if (exponent - kLeast > 2 * kMaxScaleExponent && !local_ray_detail::limit_exponent(exponent))
+        return false;
     const double scale = std::bit_cast<double>((2 * kDoubleBias - exponent) << 52);
     set_shear(local.sheared, rounded(o), rounded(d * scale));
     local.t_scale = static_cast<float>(scale);
     local.t_unscale = static_cast<float>(std::bit_cast<double>(exponent << 52));
     local.instance = object.id;
-    return local.t_scale > 0 && is_finite(local.t_scale) && is_finite(local.t_unscale);
+    return true;
 }
 
 // Near planes p are met at p reciprocal - near_offset, far planes likewise with the far constants;

@@ -55,7 +55,7 @@ inline bool sphere_roots(const Vec3d& o, const Vec3d& d, const Vec3d& center, do
                          double& t0, double& t1) {
     const Vec3d f = o - center;
     const double a = dot(d, d);
-    const double b = -dot(f, d);
+    const double b = 0.0 - dot(f, d);  // never -0, whose sign would swap the roots
     // Squared distance from the centre to the line, free of the cancellation in b^2 - a c.
     const Vec3d nearest = f + (b / a) * d;
     const double discriminant = radius * radius - dot(nearest, nearest);

@@ -9,6 +9,7 @@
 
 #include "core/geometry/force_inline.h"
 #include "core/integrate/coverage.h"
+#include "core/integrate/medium_point.h"
 #include "core/integrate/path_state.h"
 #include "core/integrate/pixel_filter.h"
 #include "core/integrate/sampler.h"
@@ -233,19 +234,19 @@ inline float walk_survival(uint32_t event) {
 
 enum class MediumEvent { none, scattered, ended };
 
-// A ray inside a scattering medium, up to t_max: scatters on the way, and then `ray` is the one
-// that goes on, or reaches its end.
+// A ray inside a scattering medium, up to its hit, if it is `found`: scatters on the way, and then
+// `ray` is the one that goes on, or reaches its end.
 template <EffectSet kTier>
 MediumEvent cross_medium(const RenderScene& rs, const PathSettings& settings,
-                         const Sampler& sampler, uint32_t bounce, float t_max, Ray& ray,
-                         PathState& path, uint32_t& rays) {
-    const MediumSample sample =
-        sample_medium(path.medium, path.beta, t_max, sampler.pair(medium_pair(bounce)));
+                         const Sampler& sampler, uint32_t bounce, bool found, const Hit& hit,
+                         Ray& ray, PathState& path, uint32_t& rays) {
+    const MediumSample sample = sample_medium(path.medium, path.beta, found ? hit.t : kInfinity,
+                                              sampler.pair(medium_pair(bounce)));
     path.beta *= sample.weight;
     if (is_black(path.beta)) return MediumEvent::ended;
     if (!sample.scattered) return MediumEvent::none;
     const Bounce numbers = sampler.bounce(bounce);
-    const Vec3f p = ray.o + sample.t * ray.d;
+    const Vec3f p = point_in_medium(rs.scene(), ray, sample.t, found, hit);
     if (settings.next_event_estimation && rs.lights().can_sample())
         add_direct_light_in_medium<kTier>(rs, sampler, bounce, numbers, ray, p, path, rays);
     const HenyeyGreenstein phase(path.medium.g);
@@ -457,9 +458,8 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
         if constexpr (Recorder::kActive) recorder.ray(bounce, ray, found, hit, path);
         if constexpr (kTier.has(Effect::scattering_medium)) {
             if (path.in_medium && path.medium.scatters()) {
-                const MediumEvent event =
-                    cross_medium<kTier>(rs, settings, sampler, bounce, found ? hit.t : kInfinity,
-                                        ray, path, result.rays);
+                const MediumEvent event = cross_medium<kTier>(rs, settings, sampler, bounce, found,
+                                                              hit, ray, path, result.rays);
                 if (event == MediumEvent::ended) break;
                 if (event == MediumEvent::scattered) {
                     if constexpr (Recorder::kActive) recorder.in_medium(bounce, ray.o, path);

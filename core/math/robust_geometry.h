@@ -13,6 +13,8 @@ inline constexpr float kMaxCoordinate = 0x1p50f;
 // rescaled by a power of two.
 inline constexpr float kMinDirection = 0x1p-16f;
 inline constexpr float kMaxDirection = 0x1p16f;
+// Those powers of two and their reciprocals are normal floats, for denormals may count as zero.
+inline constexpr int kMaxScaleExponent = 126;
 
 // A direction component below this share of the largest one counts as parallel to the slab.
 inline constexpr float kParallelShare = 0x1p-60f;
@@ -53,5 +55,9 @@ inline constexpr float kMinSplitExtent = 0x1p-60f;
 // World bounds of an instance are widened by this share of the largest coordinate: the ray is
 // rounded once in object space.
 inline constexpr double kInstanceBoundsPad = 0x40p-24;
+
+// A point on a ray that lies further than this share of the coordinates short of a surface is not
+// taken beyond it by rounding, unless the ray runs within 2^-16 radians of that surface.
+inline constexpr float kNearSurface = 0x1p-8f;
 
 }  // namespace talbot

@@ -1,4 +1,5 @@
 // G05: vertices and rays that are NaN, infinite, huge or denormal.
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -134,13 +135,19 @@ Import imported(const MeshData& good) {
     return import;
 }
 
-// Rays of any bit pattern: the same answer as brute force, and every figure of a hit in range. The
-// control answers by the textbook sphere test.
-Failures any_rays(uint64_t count) {
+// A sphere, a mesh, and the mesh twice as large elsewhere.
+SceneData mixed_scene() {
     SceneData scene = scene_of(displaced_sphere(4, 0.1f));
     scene.spheres.push_back({Vec3d(0.5), 1, false});
     scene.place(0, Mat4d(2.0));
     scene.instances.back().world_from_object[3] = Vec4d(3, 0, 0, 1);
+    return scene;
+}
+
+// Rays of any bit pattern: the same answer as brute force, and every figure of a hit in range. The
+// control answers by the textbook sphere test.
+Failures any_rays(uint64_t count) {
+    const SceneData scene = mixed_scene();
     const auto accel = build_here(scene);
     const auto oracle = build_brute_force(scene.input());
     constexpr uint32_t kSpecial[] = {0x00000000, 0x80000000, 0x00000001, 0x807FFFFF,
@@ -173,6 +180,47 @@ Failures any_rays(uint64_t count) {
     });
 }
 
+// A direction times any power of two that keeps it a normal float meets the same, at the distance
+// divided by that, or nothing where that is no normal float.
+Failures any_lengths(uint64_t count) {
+    const SceneData scene = mixed_scene();
+    const auto accel = build_here(scene);
+    return over_inputs<Failures>(98, count, [&](Rng& rng, Failures& failures) {
+        constexpr int kSteps = 512;  // to 1, so that small components stay normal, too
+        Ray unit;
+        unit.o = rng.in_box(-3, 4);
+        int smallest = kSteps;
+        for (int k = 0; k < 3; ++k) {
+            const int d = rng.below(4) == 0 ? 0 : rng.between(-kSteps, kSteps);
+            unit.d[k] = static_cast<float>(d) / kSteps;
+            if (d != 0) smallest = std::min(smallest, std::abs(d));
+        }
+        if (unit.d == Vec3f(0)) return;
+        constexpr int kLeast = std::numeric_limits<float>::min_exponent - 1;
+        constexpr int kMost = std::numeric_limits<float>::max_exponent - 1;
+        const int least = kLeast - std::ilogb(static_cast<float>(smallest) / kSteps);
+        const int exponent = rng.below(4) == 0 ? least : rng.between(least, kMost);
+        Ray ray = unit;
+        for (int k = 0; k < 3; ++k) ray.d[k] = std::ldexp(unit.d[k], exponent);
+        Hit expected;
+        Hit hit;
+        bool expect = accel->closest(unit, expected);
+        if (expect) {
+            const double t = std::ldexp(static_cast<double>(expected.t), -exponent);
+            // Where the nearest one is too near for a number, another may come.
+            if (t < std::numeric_limits<float>::min()) return;
+            expect = t <= std::numeric_limits<float>::max();
+            expected.t = static_cast<float>(t);
+        }
+        const bool found = accel->closest(ray, hit);
+        const bool own = found != expect || (found && !same_hit(hit, expected));
+        float t[2] = {0, 0};
+        const bool met = naive_sphere(unit, Vec3f(0.5f), 1, t);
+        failures.see(met && !(naive_sphere(ray, Vec3f(0.5f), 1, t) && is_finite(t[0])), own,
+                     [&] { return hex(ray); });
+    });
+}
+
 CaseResult run(Effort effort) {
     CaseResult result;
     const bool full = effort == Effort::full;
@@ -189,6 +237,9 @@ CaseResult run(Effort effort) {
                                Gate::at_most, ""});
     result.measures.push_back(any_rays(inputs(effort, 1e5, 2e6))
                                   .measure("rays of any bits that differ or give no number"));
+    result.measures.push_back(any_lengths(inputs(effort, 1e5, 2e6))
+                                  .measure("rays 2^-126 to 2^127 long that meet otherwise than "
+                                           "unit ones"));
     return result;
 }
 

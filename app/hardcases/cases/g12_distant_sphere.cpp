@@ -80,7 +80,7 @@ void see_sphere(float ratio, Rng& rng, Distant& score) {
     }
 }
 
-// Rays that start on the surface or inside.
+// Rays that start on the surface or inside, some of them at the very centre.
 Failures from_within(uint64_t rays) {
     return over_inputs<Failures>(5, rays, [](Rng& rng, Failures& failures) {
         const double radius = std::pow(10.0, rng.uniform(-3, 3));
@@ -88,7 +88,8 @@ Failures from_within(uint64_t rays) {
         const Vec3d n = normalize(Vec3d(rng.direction()));
         const bool on = rng.below(2) != 0;
         Ray ray;
-        ray.o = Vec3f(center + (on ? 1.0 : static_cast<double>(rng.uniform())) * radius * n);
+        const double inside = rng.below(64) == 0 ? 0.0 : static_cast<double>(rng.uniform());
+        ray.o = Vec3f(center + (on ? 1.0 : inside) * radius * n);
         const Vec3d normal = Vec3d(ray.o) - center;
         ray.d = rng.direction();
         const ExactSphere expected = exact_sphere(ray, center, radius);

@@ -131,7 +131,8 @@ CaseResult run(Effort effort) {
     double single = 0;
     std::string single_where;
     std::vector<Job> jobs;
-    Sweep sweep{"roughness", "albedo of a white metal, cosine 0.5", false, 0.995, {}};
+    Sweep sweep{
+        "roughness", "energy that a white metal loses or gains, cosine 0.5", false, 0.005, {}};
     for (int step = 0; step <= 10; ++step) {
         if (!full && step % 5 != 0) continue;
         const float roughness = 0.1f * static_cast<float>(step);
@@ -148,7 +149,8 @@ CaseResult run(Effort effort) {
             unmasked = std::max(unmasked, single_scattering(alpha, mu, false));
             if (mu == 0.5f) {
                 const double metal = albedo(white_surfaces(alpha)[5], {mu});
-                sweep.points.push_back({static_cast<double>(roughness), s, metal});
+                sweep.points.push_back(
+                    {static_cast<double>(roughness), std::abs(1 - s), std::abs(1 - metal)});
             }
         }
     }
