@@ -1,6 +1,6 @@
-// Geometry cases of the catalogue through Embree's own intersectors beside Talbot's: rays from inside
-// a closed mesh that slip out (G01, G02, G08), and huge and distant spheres (G11, G12). Embree in its
-// default and its robust mode, single rays; where it is not installed, Talbot alone.
+// Geometry cases of the catalogue through Embree's own intersectors beside Talbot's: rays from
+// inside a closed mesh that slip out (G01, G02, G08), and huge and distant spheres (G11, G12).
+// Embree in its default and its robust mode, single rays; where it is not installed, Talbot alone.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -32,7 +32,8 @@ std::vector<std::string> engine_names() {
 }
 
 // Rays from `inside` to vertices, points of edges and points of faces of a closed mesh.
-std::vector<Ray> rays_to(const MeshData& mesh, const Vec3f& inside, uint64_t count, bool along_axes) {
+std::vector<Ray> rays_to(const MeshData& mesh, const Vec3f& inside, uint64_t count,
+                         bool along_axes) {
     std::vector<Ray> rays;
     Rng rng(5);
     for (uint64_t i = 0; i < count; ++i) {
@@ -74,12 +75,13 @@ Row mesh_row(const std::string& name, MeshData mesh, const Vec3f& inside, uint64
         row.wrong.push_back(
             static_cast<double>(rays.size() - engine.trace(rays.data(), rays.size(), false)));
     };
-    const std::unique_ptr<const Accel> accel = build(scene);
-    misses(talbot_engine("Talbot", *accel));
+    const std::shared_ptr<const Accel> accel = build(scene);
+    misses(talbot_engine("Talbot", accel));
 #if TALBOT_BENCH_EMBREE
     for (const RTCSceneFlags flags : {RTC_SCENE_FLAG_NONE, RTC_SCENE_FLAG_ROBUST}) {
-        const EmbreeScene embree(scene, flags, RTC_BUILD_QUALITY_MEDIUM);
-        misses(embree.engine("Embree"));
+        const auto embree =
+            std::make_shared<const EmbreeScene>(scene, flags, RTC_BUILD_QUALITY_MEDIUM);
+        misses(EmbreeScene::engine("Embree", embree));
     }
 #endif
     return row;
@@ -146,7 +148,7 @@ void for_engines(const Vec3f& center, float radius,
                  const std::function<void(const HitTest&)>& with) {
     SceneData scene;
     scene.spheres.push_back({Vec3d(center), static_cast<double>(radius), false});
-    const std::unique_ptr<const Accel> accel = build(scene);
+    const std::shared_ptr<const Accel> accel = build(scene);
     with([&](const Ray& ray, double& t) {
         Hit hit;
         const bool found = accel->closest(ray, hit);
@@ -230,7 +232,8 @@ int run(int argc, char** argv) {
     const Vec3f far(148376, 1234, -223423);
     rows.push_back(mesh_row("the same of radius 1000 at (148376, 1234, -223423), missed",
                             moved(ball, far, 1000), far, count, false));
-    rows.push_back(mesh_row("lattice cube along the axes, missed", grid_cube(16), Vec3f(8), count, true));
+    rows.push_back(
+        mesh_row("lattice cube along the axes, missed", grid_cube(16), Vec3f(8), count, true));
     for (const float r : {1e3f, 1e5f, 1e6f}) rows.push_back(ground_row(r, count / 10));
     for (const float d : {1e2f, 1e4f, 1e6f}) rows.push_back(distant_row(d, count / 10));
 
@@ -246,7 +249,8 @@ int run(int argc, char** argv) {
         list.push_back({{"case", row.name}, {"rays", row.rays}, {"wrong", row.wrong}});
     }
     std::printf("\n");
-    if (!file.empty()) std::ofstream(file) << json{{"engines", names}, {"rows", list}}.dump(1) << "\n";
+    if (!file.empty())
+        std::ofstream(file) << json{{"engines", names}, {"rows", list}}.dump(1) << "\n";
     return 0;
 }
 

@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <functional>
+#include <memory>
 #include <string>
 #include <thread>
 #include <utility>
@@ -55,11 +56,19 @@ auto build_watched(double& peak_bytes, const Build& build) {
     return built;
 }
 
+// Processor time of all threads.
+inline double process_seconds() {
+    timespec now{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 // One engine with one scene: traces a range of rays and returns how many hit.
 struct Engine {
     std::string name;
     std::function<uint64_t(const Ray* rays, size_t count, bool any)> trace;
     double build_seconds = 0;
+    double build_cpu_seconds = 0;
     double bytes = 0;
     double peak_bytes = 0;  // while it was built
 };
@@ -75,12 +84,17 @@ inline uint64_t trace_talbot(const Accel& accel, const Ray* rays, size_t count, 
     return hits;
 }
 
-inline Engine talbot_engine(const std::string& name, const Accel& accel) {
+inline Engine talbot_engine(const std::string& name, std::shared_ptr<const Accel> accel) {
+    const double seconds = accel->stats().build_seconds;
+    const auto bytes = static_cast<double>(accel->stats().bytes);
     return {name,
-            [&accel](const Ray* rays, size_t count, bool any) {
-                return trace_talbot(accel, rays, count, any);
+            [accel](const Ray* rays, size_t count, bool any) {
+                return trace_talbot(*accel, rays, count, any);
             },
-            accel.stats().build_seconds, static_cast<double>(accel.stats().bytes), 0};
+            seconds,
+            0,
+            bytes,
+            0};
 }
 
 #if TALBOT_BENCH_EMBREE
@@ -96,6 +110,7 @@ class EmbreeScene {
             },
             this);
         const auto start = std::chrono::steady_clock::now();
+        const double cpu_start = process_seconds();
         scene_ = new_scene();
         std::vector<RTCScene> shared(data.meshes.size(), nullptr);
         for (const AccelInstance& instance : data.instances) {
@@ -115,6 +130,7 @@ class EmbreeScene {
         }
         rtcCommitScene(scene_);
         seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        cpu_seconds_ = process_seconds() - cpu_start;
         built_bytes_ = static_cast<double>(bytes_);
         for (const RTCScene mesh : shared) {
             if (mesh != nullptr) rtcReleaseScene(mesh);
@@ -153,10 +169,15 @@ class EmbreeScene {
         }
         return hits;
     }
-    Engine engine(const std::string& name) const {
+    static Engine engine(const std::string& name, std::shared_ptr<const EmbreeScene> scene) {
         return {name,
-                [this](const Ray* rays, size_t count, bool any) { return trace(rays, count, any); },
-                seconds_, built_bytes_, 0};
+                [scene](const Ray* rays, size_t count, bool any) {
+                    return scene->trace(rays, count, any);
+                },
+                scene->seconds_,
+                scene->cpu_seconds_,
+                scene->built_bytes_,
+                0};
     }
 
   private:
@@ -198,8 +219,52 @@ class EmbreeScene {
     std::atomic<int64_t> bytes_{0};
     double built_bytes_ = 0;
     double seconds_ = 0;
+    double cpu_seconds_ = 0;
 };
 #endif
+
+// Builds one engine over a scene, and says what that took.
+using EngineMaker = std::function<Engine()>;
+
+// Talbot's two qualities, and Embree in its default, its robust and its high-quality mode. The
+// scene must outlive what they make.
+inline std::vector<EngineMaker> engine_makers(const test::SceneData& scene, WorkerPool& pool) {
+    std::vector<EngineMaker> makers;
+    const auto add_talbot = [&](const char* name, BuildQuality quality) {
+        makers.push_back([&scene, &pool, name, quality] {
+            double peak = 0;
+            double cpu_seconds = 0;
+            std::shared_ptr<const Accel> accel = build_watched(peak, [&] {
+                const double start = process_seconds();
+                auto built = build_accel(scene.input(quality), pool);
+                cpu_seconds = process_seconds() - start;
+                return built;
+            });
+            Engine engine = talbot_engine(name, accel);
+            engine.build_cpu_seconds = cpu_seconds;
+            engine.peak_bytes = peak;
+            return engine;
+        });
+    };
+    add_talbot("Talbot", BuildQuality::high);
+    add_talbot("Talbot fast", BuildQuality::fast);
+#if TALBOT_BENCH_EMBREE
+    const auto add_embree = [&](const char* name, RTCSceneFlags flags, RTCBuildQuality quality) {
+        makers.push_back([&scene, name, flags, quality] {
+            double peak = 0;
+            std::shared_ptr<const EmbreeScene> embree = build_watched(
+                peak, [&] { return std::make_unique<EmbreeScene>(scene, flags, quality); });
+            Engine engine = EmbreeScene::engine(name, embree);
+            engine.peak_bytes = peak;
+            return engine;
+        });
+    };
+    add_embree("Embree", RTC_SCENE_FLAG_NONE, RTC_BUILD_QUALITY_MEDIUM);
+    add_embree("Embree robust", RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_MEDIUM);
+    add_embree("Embree high", RTC_SCENE_FLAG_NONE, RTC_BUILD_QUALITY_HIGH);
+#endif
+    return makers;
+}
 
 // Mrays/s over all rays of a set with this many threads.
 inline double rate(const Engine& engine, const std::vector<Ray>& rays, bool any, unsigned threads,

@@ -32,13 +32,19 @@ struct Options {
     std::string scene;
     std::string models;
     std::string json;
+    std::string part;  // empty: all
     int rounds = 5;
+
+    bool wants(const char* name) const { return part.empty() || part == name; }
 };
+
+constexpr const char* kParts[] = {"rates", "builds", "growth"};
 
 struct Result {
     std::string scene;
     std::string kind;
     unsigned threads = 1;
+    bool is_extra = false;
     std::vector<double> rates;  // one per engine
 };
 
@@ -46,6 +52,7 @@ struct Build {
     std::string scene;
     uint64_t triangles = 0;
     std::vector<double> seconds;
+    std::vector<double> cpu_seconds;
     std::vector<double> bytes;
     std::vector<double> peak_bytes;
 };
@@ -107,33 +114,11 @@ void measure(const std::vector<Engine>& engines, const Options& options,
     report.rates.push_back(std::move(result));
 }
 
-void run_scene(const BenchScene& scene, const Options& options, Report& report) {
+void run_rates(const BenchScene& scene, bool is_extra, const Options& options, Report& report) {
     WorkerPool pool(2);
     std::vector<Engine> engines;
-    const auto build_talbot = [&](const char* name, BuildQuality quality) {
-        double peak = 0;
-        auto built =
-            build_watched(peak, [&] { return build_accel(scene.data.input(quality), pool); });
-        engines.push_back(talbot_engine(name, *built));
-        engines.back().peak_bytes = peak;
-        return built;
-    };
-    const auto accel = build_talbot("Talbot", BuildQuality::high);
-    const auto fast = build_talbot("Talbot fast", BuildQuality::fast);
-#if TALBOT_BENCH_EMBREE
-    const auto build_embree = [&](const char* name, RTCSceneFlags flags, RTCBuildQuality quality) {
-        double peak = 0;
-        auto built = build_watched(
-            peak, [&] { return std::make_unique<EmbreeScene>(scene.data, flags, quality); });
-        engines.push_back(built->engine(name));
-        engines.back().peak_bytes = peak;
-        return built;
-    };
-    const auto plain = build_embree("Embree", RTC_SCENE_FLAG_NONE, RTC_BUILD_QUALITY_MEDIUM);
-    const auto robust =
-        build_embree("Embree robust", RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_MEDIUM);
-    const auto high = build_embree("Embree high", RTC_SCENE_FLAG_NONE, RTC_BUILD_QUALITY_HIGH);
-#endif
+    for (const EngineMaker& make : engine_makers(scene.data, pool)) engines.push_back(make());
+    const auto accel = build_accel(scene.data.input(), pool);
     const RaySets sets = make_ray_sets(scene, *accel, options.quick ? 256 : 1024);
     if (report.engines.empty()) {
         for (const Engine& engine : engines) report.engines.push_back(engine.name);
@@ -144,58 +129,86 @@ void run_scene(const BenchScene& scene, const Options& options, Report& report) 
         for (size_t e = 0; e < 2 * engines.size() - 1; ++e) rule += "---|";
         std::printf("\nMrays/s\n\n%s\n%s\n", head.c_str(), rule.c_str());
     }
-    Build build{scene.name, accel->stats().triangles, {}, {}, {}};
-    for (const Engine& engine : engines) {
-        build.seconds.push_back(engine.build_seconds);
-        build.bytes.push_back(engine.bytes);
-        build.peak_bytes.push_back(engine.peak_bytes);
-    }
-    report.builds.push_back(std::move(build));
     for (const unsigned threads : {1u, 2u}) {
-        measure(engines, options, sets.primary, false, {scene.name, "primary", threads, {}},
-                report);
-        measure(engines, options, sets.ao, true, {scene.name, "ao", threads, {}}, report);
-        measure(engines, options, sets.diffuse, false, {scene.name, "diffuse", threads, {}},
-                report);
+        const auto run = [&](const char* kind, const std::vector<Ray>& rays, bool any) {
+            measure(engines, options, rays, any, {scene.name, kind, threads, is_extra, {}}, report);
+        };
+        run("primary", sets.primary, false);
+        run("ao", sets.ao, true);
+        run("diffuse", sets.diffuse, false);
     }
 }
 
 // Geometric means of the ratios against each other engine, by kind and number of threads.
-void print_means(const Report& report) {
+void print_means(const Report& report, bool with_extra) {
     for (size_t other = 1; other < report.engines.size(); ++other) {
         std::map<std::string, std::pair<double, int>> groups;
         for (const Result& r : report.rates) {
+            if (r.is_extra && !with_extra) continue;
             auto& [sum, count] = groups[r.kind + ", " + std::to_string(r.threads)];
             sum += std::log(r.rates[0] / r.rates[other]);
             ++count;
         }
-        std::printf("\nTalbot / %s, geometric means over the scenes:",
-                    report.engines[other].c_str());
+        if (groups.empty()) continue;
+        std::printf("\nTalbot / %s, geometric means over %s:", report.engines[other].c_str(),
+                    with_extra ? "all scenes" : "the main scenes (without hall and cornell)");
         for (const auto& [key, group] : groups)
             std::printf(" %s: %.3f;", key.c_str(), std::exp(group.first / group.second));
         std::printf("\n");
     }
 }
 
-void print_builds(const Report& report) {
-    std::printf(
-        "\nBuild with 2 threads, ms; bytes per triangle of the structure and, on top of the "
-        "triangles, at most while it is built\n\n");
-    std::printf("| scene | triangles |");
-    for (const std::string& name : report.engines)
-        std::printf(" %s | bytes | peak |", name.c_str());
-    std::printf("\n|---|---|");
-    for (size_t e = 0; e < report.engines.size(); ++e) std::printf("---|---|---|");
-    for (const Build& build : report.builds) {
-        std::printf("\n| %s | %llu |", build.scene.c_str(),
-                    static_cast<unsigned long long>(build.triangles));
-        for (size_t e = 0; e < build.seconds.size(); ++e) {
-            const auto triangles = static_cast<double>(build.triangles);
-            std::printf(" %.1f | %.0f | %.0f |", 1e3 * build.seconds[e], build.bytes[e] / triangles,
-                        build.peak_bytes[e] / triangles);
+// Build times and memory of all engines, built in turn.
+void run_builds(const BenchScene& scene, const Options& options, Report& report) {
+    WorkerPool pool(2);
+    const std::vector<EngineMaker> makers = engine_makers(scene.data, pool);
+    std::vector<std::vector<Engine>> engines(makers.size());
+    for (int round = 0; round < options.rounds; ++round) {
+        for (size_t e = 0; e < makers.size(); ++e) {
+            Engine engine = makers[e]();
+            engine.trace = nullptr;  // gives the structure back
+            engines[e].push_back(std::move(engine));
         }
     }
+    Build build{scene.name, 0, {}, {}, {}, {}};
+    for (const AccelMesh& mesh : scene.data.input().meshes)
+        build.triangles += mesh.indices.size() / 3;
+    const bool is_first = report.builds.empty();
+    if (report.engines.empty()) {
+        for (const auto& rounds : engines) report.engines.push_back(rounds[0].name);
+    }
+    for (const auto& rounds : engines) {
+        const auto of = [&](double Engine::*member) {
+            std::vector<double> values;
+            for (const Engine& engine : rounds) values.push_back(engine.*member);
+            return median(values);
+        };
+        build.seconds.push_back(of(&Engine::build_seconds));
+        build.cpu_seconds.push_back(of(&Engine::build_cpu_seconds));
+        build.bytes.push_back(of(&Engine::bytes));
+        build.peak_bytes.push_back(of(&Engine::peak_bytes));
+    }
+    if (is_first) {
+        std::printf(
+            "\nBuild with 2 threads: ms, ms of processor time; bytes per triangle of the structure "
+            "and, on top of the triangles, at most while it is built\n\n| scene | triangles |");
+        for (const std::string& name : report.engines)
+            std::printf(" %s | cpu | bytes | peak |", name.c_str());
+        std::printf("\n|---|---|");
+        for (size_t e = 0; e < report.engines.size(); ++e) std::printf("---|---|---|---|");
+        std::printf("\n");
+    }
+    std::printf("| %s | %llu |", build.scene.c_str(),
+                static_cast<unsigned long long>(build.triangles));
+    for (size_t e = 0; e < build.seconds.size(); ++e) {
+        const auto triangles = static_cast<double>(build.triangles);
+        std::printf(" %.1f | %.1f | %.1f | %.0f |", 1e3 * build.seconds[e],
+                    1e3 * build.cpu_seconds[e], build.bytes[e] / triangles,
+                    build.peak_bytes[e] / triangles);
+    }
     std::printf("\n");
+    std::fflush(stdout);
+    report.builds.push_back(std::move(build));
 }
 
 // What the structure is worth beside testing every object: spheres strewn in a cube.
@@ -209,15 +222,15 @@ void run_speedups(const Options& options, Report& report) {
         for (uint32_t i = 0; i < count; ++i)
             data.spheres.push_back({Vec3d(rng.in_box(0, 1)), radius});
         WorkerPool pool(2);
-        const auto accel = build_accel(data.input(), pool);
-        const auto brute = build_brute_force(data.input());
+        const std::shared_ptr<const Accel> accel = build_accel(data.input(), pool);
+        const std::shared_ptr<const Accel> brute = build_brute_force(data.input());
         const auto rays = primary_rays({Vec3f(0.5f, 0.5f, 2), Vec3f(0.5f), 40}, 128);
         std::vector<double> fast;
         std::vector<double> slow;
         uint64_t hits = 0;
         for (int round = 0; round < options.rounds; ++round) {
-            fast.push_back(rate(talbot_engine("", *accel), rays, false, 1, hits));
-            slow.push_back(rate(talbot_engine("", *brute), rays, false, 1, hits));
+            fast.push_back(rate(talbot_engine("", accel), rays, false, 1, hits));
+            slow.push_back(rate(talbot_engine("", brute), rays, false, 1, hits));
         }
         std::printf("| %u | %.2f | %.3f | %.1f |\n", count, median(fast), median(slow),
                     median(fast) / median(slow));
@@ -229,7 +242,9 @@ void run_speedups(const Options& options, Report& report) {
 
 // Spheres of more and more triangles: rays per second and build time per triangle.
 void run_growth(const Options& options, Report& report) {
-    std::printf("\nGrowth (displaced sphere, 1 thread, Mrays/s; build with 2 threads)\n\n");
+    std::printf(
+        "\nGrowth (displaced sphere, 1 thread, Mrays/s; builds in processor time of 2 "
+        "threads)\n\n");
     std::printf(
         "| triangles | primary | ao | diffuse | fast build, ns per triangle | high | bytes |\n");
     std::printf("|---|---|---|---|---|---|---|\n");
@@ -239,22 +254,30 @@ void run_growth(const Options& options, Report& report) {
                                test::scene_of(test::displaced_sphere(n, 0.1f)),
                                {Vec3f(0.5f, 1, 2.5f), Vec3f(0), 45}};
         WorkerPool pool(2);
-        const double fast_seconds =
-            build_accel(scene.data.input(BuildQuality::fast), pool)->stats().build_seconds;
-        const auto accel = build_accel(scene.data.input(), pool);
+        const auto build_ns = [&](BuildQuality quality) {
+            std::vector<double> ns;
+            for (int round = 0; round < std::min(options.rounds, 3); ++round) {
+                const double start = process_seconds();
+                const auto built = build_accel(scene.data.input(quality), pool);
+                ns.push_back(1e9 * (process_seconds() - start) /
+                             static_cast<double>(built->stats().triangles));
+            }
+            return median(ns);
+        };
+        const double fast_ns = build_ns(BuildQuality::fast);
+        const double ns = build_ns(BuildQuality::high);
+        const std::shared_ptr<const Accel> accel = build_accel(scene.data.input(), pool);
         const RaySets sets = make_ray_sets(scene, *accel, 256);
         std::vector<double> primary;
         std::vector<double> ao;
         std::vector<double> diffuse;
         uint64_t hits = 0;
         for (int round = 0; round < options.rounds; ++round) {
-            primary.push_back(rate(talbot_engine("", *accel), sets.primary, false, 1, hits));
-            ao.push_back(rate(talbot_engine("", *accel), sets.ao, true, 1, hits));
-            diffuse.push_back(rate(talbot_engine("", *accel), sets.diffuse, false, 1, hits));
+            primary.push_back(rate(talbot_engine("", accel), sets.primary, false, 1, hits));
+            ao.push_back(rate(talbot_engine("", accel), sets.ao, true, 1, hits));
+            diffuse.push_back(rate(talbot_engine("", accel), sets.diffuse, false, 1, hits));
         }
         const auto triangles = static_cast<double>(accel->stats().triangles);
-        const double fast_ns = 1e9 * fast_seconds / triangles;
-        const double ns = 1e9 * accel->stats().build_seconds / triangles;
         const double bytes = static_cast<double>(accel->stats().bytes) / triangles;
         std::printf("| %.0f | %.2f | %.2f | %.2f | %.0f | %.0f | %.0f |\n", triangles,
                     median(primary), median(ao), median(diffuse), fast_ns, ns, bytes);
@@ -284,8 +307,10 @@ bool write_json(const std::string& file, const Report& report) {
     for (const Build& b : report.builds) {
         json engines;
         for (size_t e = 0; e < b.seconds.size(); ++e)
-            engines[report.engines[e]] = {
-                {"seconds", b.seconds[e]}, {"bytes", b.bytes[e]}, {"peak_bytes", b.peak_bytes[e]}};
+            engines[report.engines[e]] = {{"seconds", b.seconds[e]},
+                                          {"cpu_seconds", b.cpu_seconds[e]},
+                                          {"bytes", b.bytes[e]},
+                                          {"peak_bytes", b.peak_bytes[e]}};
         out["builds"].push_back(
             {{"scene", b.scene}, {"triangles", b.triangles}, {"engines", engines}});
     }
@@ -299,16 +324,27 @@ bool write_json(const std::string& file, const Report& report) {
 int run(const Options& options) {
     std::printf("%s\n", heading().c_str());
     Report report;
-    for (const auto& [name, make] : bench_scenes(options.models)) {
-        if (options.scene.empty() || options.scene == name) run_scene(make(), options, report);
-    }
-    if (report.rates.empty()) {
+    const std::vector<SceneMaker> makers = bench_scenes(options.models);
+    const auto is_wanted = [&](const SceneMaker& maker) {
+        return options.scene.empty() || options.scene == maker.name;
+    };
+    if (std::none_of(makers.begin(), makers.end(), is_wanted)) {
         std::fprintf(stderr, "bench_rays: there is no scene '%s'\n", options.scene.c_str());
         return 2;
     }
-    print_means(report);
-    print_builds(report);
-    if (options.scene.empty()) {
+    if (options.wants("rates")) {
+        for (const SceneMaker& maker : makers) {
+            if (is_wanted(maker)) run_rates(maker.make(), maker.is_extra, options, report);
+        }
+        print_means(report, false);
+        print_means(report, true);
+    }
+    if (options.wants("builds")) {
+        for (const SceneMaker& maker : makers) {
+            if (is_wanted(maker)) run_builds(maker.make(), options, report);
+        }
+    }
+    if (options.scene.empty() && options.wants("growth")) {
         run_speedups(options, report);
         run_growth(options, report);
     }
@@ -327,6 +363,9 @@ int main(int argc, char** argv) {
             options.quick = true;
         } else if (word == "--scene" && has_value) {
             options.scene = argv[++i];
+        } else if (word == "--part" && has_value &&
+                   std::ranges::count(talbot::bench::kParts, std::string(argv[i + 1])) > 0) {
+            options.part = argv[++i];
         } else if (word == "--models" && has_value) {
             options.models = argv[++i];
         } else if (word == "--json" && has_value) {
@@ -335,8 +374,9 @@ int main(int argc, char** argv) {
             options.rounds = std::max(1, std::atoi(argv[++i]));
         } else {
             std::fprintf(stderr,
-                         "usage: bench_rays [--quick] [--scene NAME] [--models DIR] [--rounds N] "
-                         "[--json FILE]\nDIR holds the models of the Khronos sample assets that "
+                         "usage: bench_rays [--quick] [--part rates|builds|growth] [--scene NAME] "
+                         "[--models DIR] [--rounds N] [--json FILE]\nDIR holds the models of the "
+                         "Khronos sample assets that "
                          "are measured too, one folder each.\n");
             return 2;
         }

@@ -90,6 +90,7 @@ void draw_display_panel(ViewerModel& model, Edits& edits, const Snapshot* snapsh
         for (const char* name : {"exposure_ev", "tone_map", "channel", "false_color"})
             edit_named(display_parameters(), name, model);
     }
+    edit_named(display_parameters(), "bvh_boxes", model);
     draw_reading(reading, snapshot);
 }
 

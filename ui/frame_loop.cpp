@@ -198,6 +198,7 @@ void FrameLoop::draw_ui(double seconds) {
         grant(requests);
     }
     ab_.draw_line(model_, image_rect_);
+    boxes_.draw(model_, image_rect_);
     if (path_) draw_path(*path_, model_, image_rect_);
     if (model_.look.show_help) model_.look.show_help = draw_help_overlay();
     if (!notice_.empty()) {

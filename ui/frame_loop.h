@@ -10,6 +10,7 @@
 #include "core/session/session.h"
 #include "ui/ab_view.h"
 #include "ui/background_jobs.h"
+#include "ui/box_overlay.h"
 #include "ui/display.h"
 #include "ui/gl_context.h"
 #include "ui/input.h"
@@ -117,6 +118,7 @@ class FrameLoop {
     LatencyRecorder recorder_;
     FileForm form_;
     std::optional<ReplayedPath> path_;
+    BoxOverlay boxes_;
     Diagnosis diagnosis_;
     uint64_t image_generation_ = 0;  // of the newest change that alters the image
     uint64_t target_met_by_ = 0;     // the one that was stopped at its target

@@ -4,42 +4,29 @@
 
 #include <string>
 
+#include "ui/screen_map.h"
+
 namespace talbot {
 namespace {
-
-// The end of the part of a segment that the camera sees, from a visible end towards a hidden one.
-Vec3d visible_end(const ViewerModel& model, const PixelRect& image, Vec3d visible, Vec3d hidden) {
-    constexpr int kHalvings = 24;
-    for (int i = 0; i < kHalvings; ++i) {
-        const Vec3d middle = 0.5 * visible + 0.5 * hidden;
-        (screen_position(model, image, middle) ? visible : hidden) = middle;
-    }
-    return visible;
-}
 
 class PathPainter {
   public:
     PathPainter(const ViewerModel& model, const PixelRect& image)
-        : model_(model),
-          image_(image),
+        : screen_(model, image),
           list_(*ImGui::GetBackgroundDrawList()),
           size_(ImGui::GetFontSize()) {}
 
     void segment(Vec3d a, Vec3d b, ImU32 color) {
-        std::optional<Vec2f> from = screen_position(model_, image_, a);
-        std::optional<Vec2f> to = screen_position(model_, image_, b);
-        if (!from && !to) return;
-        if (!to) to = screen_position(model_, image_, visible_end(model_, image_, a, b));
-        if (!from) from = screen_position(model_, image_, visible_end(model_, image_, b, a));
-        if (!from || !to) return;
-        const ImVec2 p(from->x, from->y);
-        const ImVec2 q(to->x, to->y);
+        const std::optional<ScreenLine> line = screen_.line(a, b);
+        if (!line) return;
+        const ImVec2 p(line->from.x, line->from.y);
+        const ImVec2 q(line->to.x, line->to.y);
         list_.AddLine(p, q, IM_COL32(0, 0, 0, 190), 0.32f * size_);
         list_.AddLine(p, q, color, 0.14f * size_);
     }
 
     void vertex(const Vec3d& point, std::size_t number) {
-        const std::optional<Vec2f> at = screen_position(model_, image_, point);
+        const std::optional<Vec2f> at = screen_.point(point);
         if (!at) return;
         const ImVec2 p(at->x, at->y);
         list_.AddCircleFilled(p, 0.36f * size_, IM_COL32(0, 0, 0, 220));
@@ -51,29 +38,12 @@ class PathPainter {
     }
 
   private:
-    const ViewerModel& model_;
-    const PixelRect& image_;
+    ScreenMap screen_;
     ImDrawList& list_;
     float size_;
 };
 
 }  // namespace
-
-std::optional<Vec2f> screen_position(const ViewerModel& model, const PixelRect& image,
-                                     const Vec3d& point) {
-    if (!model.scene) return std::nullopt;
-    const Vec3d& origin = model.scene->origin();
-    const CameraRays rays(model.view.camera(), origin, model.settings.width, model.settings.height,
-                          Bounds{});
-    const std::optional<Vec2f> pixel = rays.project(Vec3f(point - origin));
-    if (!pixel) return std::nullopt;
-    const float scale_x =
-        static_cast<float>(image.width) / static_cast<float>(model.settings.width);
-    const float scale_y =
-        static_cast<float>(image.height) / static_cast<float>(model.settings.height);
-    return Vec2f(static_cast<float>(image.x) + pixel->x * scale_x,
-                 static_cast<float>(image.y) + pixel->y * scale_y);
-}
 
 void draw_path(const ReplayedPath& path, const ViewerModel& model, const PixelRect& image) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();

@@ -214,6 +214,18 @@ std::span<const Parameter<ViewerModel>> display_parameters() {
           .note = "Luminance in stops: violet is -8 EV, green 0 EV, red +7 EV."},
          [](const ViewerModel& m) { return ParameterValue{m.look.false_color ? 1.0 : 0.0}; },
          [](ViewerModel& m, const ParameterValue& v) { m.look.false_color = v[0] != 0; }},
+        {{.name = "bvh_boxes",
+          .label = "Tree boxes",
+          .kind = Kind::integer,
+          .lower = -1,
+          .upper = 255,
+          .slider_lower = -1,
+          .slider_upper = 16,
+          .note = "Boxes of the acceleration structure at this level; -1 draws none."},
+         [](const ViewerModel& m) { return ParameterValue{static_cast<double>(m.look.bvh_boxes)}; },
+         [](ViewerModel& m, const ParameterValue& v) {
+             m.look.bvh_boxes = static_cast<int>(v[0]);
+         }},
         {{.name = "fit_window",
           .label = "Fit the window",
           .kind = Kind::flag,

@@ -19,6 +19,7 @@ namespace talbot {
 // How the image is looked at beyond DisplaySettings.
 struct ViewSettings {
     bool false_color = false;
+    int bvh_boxes = -1;  // level of the boxes that are drawn over the image; below 0 none are
     bool fit_window = true;  // the image has as many pixels as its part of the window
     bool show_panels = true;
     bool show_help = false;
