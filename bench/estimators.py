@@ -8,7 +8,6 @@ seconds over that of the default: above 1 where the switch loses, by that much m
 Usage: estimators.py TALBOT [SCENE.gltf...] [--scenes DIR] [--environment FILE.hdr] [--size-scale S] [--spp N] [--seeds N]
 [--json FILE] [--markdown FILE] [--quick]. With --environment the last scene is measured once more under that image.
 """
-import argparse
 import json
 import os
 import pathlib
@@ -20,8 +19,8 @@ import numpy as np
 
 from cycles_compare import read_pfm
 from gltf_arrays import Gltf
+from scene_arguments import scene_parser, scenes_of
 
-HERE = pathlib.Path(__file__).resolve().parent
 SETTINGS = {
     "default": [],
     "--lights power": ["--lights", "power"],
@@ -91,26 +90,17 @@ def table(results):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("talbot")
-    parser.add_argument("scene", nargs="*")
-    parser.add_argument("--scenes", help="a folder: its .gltf files with separate buffers")
+    parser = scene_parser(__doc__, "small images, two seeds, 8 samples a pixel")
     parser.add_argument("--environment")
     parser.add_argument("--size-scale", type=float, default=0.25)
     parser.add_argument("--spp", type=int, default=32)
     parser.add_argument("--seeds", type=int, default=4)
     parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--quick", action="store_true", help="small images, two seeds, 8 samples a pixel")
-    parser.add_argument("--json")
     parser.add_argument("--markdown")
     args = parser.parse_args()
     if args.quick:
         args.size_scale, args.spp, args.seeds = 0.1, 8, 2
-    scenes = list(args.scene)
-    if args.scenes:
-        scenes += sorted(str(f) for f in pathlib.Path(args.scenes).glob("*.gltf") if "uri\": \"data:" not in f.read_text())
-    if not scenes:
-        scenes = [str(HERE.parent / "assets/scenes/cornell.gltf")]
+    scenes = scenes_of(args)
     results = {}
     with tempfile.TemporaryDirectory() as name:
         for scene in scenes:

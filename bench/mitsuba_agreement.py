@@ -11,7 +11,6 @@ Usage: mitsuba_agreement.py TALBOT [SCENE.gltf[:VARIANT]...] [--scenes DIR] [--s
 material; --environment lights the last scene of all once more. Exit code 0: all agree; 1: one does not; 77: Mitsuba is not
 installed (pip install mitsuba), nothing was compared.
 """
-import argparse
 import copy
 import json
 import math
@@ -29,6 +28,7 @@ except ImportError as error:
 
 from cycles_compare import read_pfm
 from gltf_arrays import Gltf
+from scene_arguments import scene_parser, scenes_in
 
 BLOCK = 8
 Z_LIMIT = 4.5
@@ -171,18 +171,14 @@ def compare(args, file, folder, oracle, environment):
             "agrees": explained >= SHARE_LIMIT and abs(ratio - 1) <= MEAN_LIMIT + 3 * ratio_noise}
 
 
-def with_buffers(folder):
-    return [f for f in sorted(pathlib.Path(folder).glob("*.gltf")) if "uri\": \"data:" not in f.read_text()]
-
-
 def jobs_of(args, folder):
     """(scene, variant, environment)"""
     jobs = [(scene.partition(":")[0], scene.partition(":")[2], None) for scene in args.scene]
-    for file in with_buffers(args.scenes) if args.scenes else []:
-        jobs.append((str(file), "", None))
+    for file in scenes_in(args.scenes) if args.scenes else []:
+        jobs.append((file, "", None))
         if args.native:
             shiny = any(not is_lambert(m) and not is_lamp(m) for m in Gltf(file).doc["materials"])
-            jobs += [(str(file), variant, None) for variant in (VARIANTS if shiny else ["lambert"])]
+            jobs += [(file, variant, None) for variant in (VARIANTS if shiny else ["lambert"])]
     if args.studio:
         from agreement_scenes import write_scenes
         jobs += [(str(file), "", None) for file in write_scenes(folder)]
@@ -192,10 +188,7 @@ def jobs_of(args, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("talbot")
-    parser.add_argument("scene", nargs="*")
-    parser.add_argument("--scenes", help="a folder: its .gltf files with separate buffers")
+    parser = scene_parser(__doc__, "few samples of small images")
     parser.add_argument("--studio", action="store_true", help="scenes of its own, one a material")
     parser.add_argument("--native", action="store_true", help="the folder's scenes also in all VARIANTS that change them")
     parser.add_argument("--environment", help="an HDR image: the last scene once more")
@@ -205,8 +198,6 @@ def main():
     parser.add_argument("--events", type=int, default=8, help="scattering events of a path")
     parser.add_argument("--variant", default="llvm_ad_rgb", help="of Mitsuba")
     parser.add_argument("--images", help="a folder for both images and their difference, of each scene")
-    parser.add_argument("--quick", action="store_true", help="few samples of small images")
-    parser.add_argument("--json")
     args = parser.parse_args()
     if args.quick:
         args.size, args.spp, args.seeds = 48, 64, 3

@@ -10,7 +10,6 @@ The programs take turns, and a ratio is the median over the rounds.
 Usage: time_to_error.py TALBOT [SCENE.gltf...] [--scenes DIR] [--scale S] [--seeds N] [--most SPP] [--spp N] [--threads N] [--bounces N]
 [--mitsuba PYTHON] [--without NAME,...] [--json FILE] [--quick]. PYTHON is an interpreter that has Mitsuba 3.
 """
-import argparse
 import json
 import os
 import pathlib
@@ -24,6 +23,7 @@ import numpy as np
 
 from cycles_compare import read_pfm
 from gltf_arrays import Gltf
+from scene_arguments import scene_parser, scenes_of
 
 HERE = pathlib.Path(__file__).resolve().parent
 TARGET = 0.01
@@ -134,10 +134,7 @@ def print_table(results, names):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("talbot")
-    parser.add_argument("scene", nargs="*")
-    parser.add_argument("--scenes", help="a folder: its .gltf files with separate buffers")
+    parser = scene_parser(__doc__, "small images, two seeds, at most 32 samples a pixel")
     parser.add_argument("--scale", type=float, default=0.5)
     parser.add_argument("--seeds", type=int, default=4)
     parser.add_argument("--most", type=int, default=256, help="samples a pixel that are not exceeded")
@@ -146,16 +143,10 @@ def main():
     parser.add_argument("--bounces", type=int, default=8)
     parser.add_argument("--mitsuba", help="an interpreter that has Mitsuba 3; without it Mitsuba is left out")
     parser.add_argument("--without", default="", help="of Cycles, scalar_rgb, llvm_ad_rgb")
-    parser.add_argument("--quick", action="store_true", help="small images, two seeds, at most 32 samples a pixel")
-    parser.add_argument("--json")
     args = parser.parse_args()
     if args.quick:
         args.scale, args.seeds, args.most = 0.15, 2, 32
-    scenes = list(args.scene)
-    if args.scenes:
-        scenes += sorted(str(f) for f in pathlib.Path(args.scenes).glob("*.gltf") if "uri\": \"data:" not in f.read_text())
-    if not scenes:
-        scenes = [str(HERE.parent / "assets/scenes/cornell.gltf")]
+    scenes = scenes_of(args)
     programs = {"Talbot": Talbot(args)}
     if shutil.which("blender"):
         programs["Cycles"] = Cycles(args)
