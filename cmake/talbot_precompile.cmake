@@ -1,7 +1,7 @@
 # Reading the same headers of other libraries again is half of compiling a small source: they are read once a target, in front of
 # every source. Each source names its own includes all the same. ccache would key every object by the checkout that the
-# precompiled headers lie in, so this is off where it serves.
-if(TALBOT_CCACHE)
+# precompiled headers lie in, so this is off where it serves; and it is tried out with g++.
+if(TALBOT_CCACHE OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     set(TALBOT_PRECOMPILE_DEFAULT OFF)
 else()
     set(TALBOT_PRECOMPILE_DEFAULT ON)
@@ -22,5 +22,7 @@ endfunction()
 function(talbot_reuse_precompiled target other)
     if(TALBOT_PRECOMPILE)
         target_precompile_headers(${target} REUSE_FROM ${other})
+        # Where flags differ after all the headers are read as ever.
+        target_compile_options(${target} PRIVATE -Wno-error=invalid-pch)
     endif()
 endfunction()
