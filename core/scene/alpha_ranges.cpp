@@ -9,7 +9,7 @@
 namespace talbot {
 namespace {
 
-constexpr uint32_t kFirstShift = 2;   // the finest level's cells are 4 texels wide
+constexpr uint32_t kFirstShift = 2;    // the finest level's cells are 4 texels wide
 constexpr uint32_t kDirectTexels = 8;  // boxes up to this size are read texel by texel
 
 AlphaRange nothing() {
@@ -88,11 +88,11 @@ AlphaRange AlphaPyramid::range(uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y
         return range;
     }
     // The finest level that needs few cells.
-    constexpr uint32_t kCells = 8;
+    constexpr uint32_t kFewCells = 8;
     std::size_t index = 0;
     uint32_t shift = kFirstShift;
-    while (index + 1 < levels_.size() &&
-           ((x1 >> shift) - (x0 >> shift) >= kCells || (y1 >> shift) - (y0 >> shift) >= kCells)) {
+    while (index + 1 < levels_.size() && ((x1 >> shift) - (x0 >> shift) >= kFewCells ||
+                                          (y1 >> shift) - (y0 >> shift) >= kFewCells)) {
         ++index;
         ++shift;
     }
@@ -116,8 +116,7 @@ MeshAlpha measure_alpha(const Mesh& mesh, const TextureSlot& slot, const Texture
         CoordinateBox box;
         bool known = true;
         for (std::size_t k = 0; k < 3; ++k)
-            known = known &&
-                    box.add(slot, uv.empty() ? Vec2f(0) : uv[mesh.indices[i + k]], image);
+            known = known && box.add(slot, uv.empty() ? Vec2f(0) : uv[mesh.indices[i + k]], image);
         AlphaRange range = nothing();
         if (known) {
             const TexelRuns x =
