@@ -19,6 +19,7 @@ h1{font-size:1.5em}h2{font-size:1.15em;margin-top:2.2em;border-top:1px solid #cc
 table{border-collapse:collapse;width:100%}th{white-space:nowrap}td,th{padding:.25em .6em;text-align:right;border-bottom:1px solid #ddd}
 td.text,th.text{text-align:left}td.where{text-align:left;font:12px monospace;word-break:break-all}
 td{font-variant-numeric:tabular-nums;white-space:nowrap}td.text{white-space:normal}td.where{white-space:normal}
+.gates td.text{min-width:20em}
 .PASS{color:#1a7f37;font-weight:600}.FAIL,.BLIND{color:#fff;background:#c22;font-weight:600;padding:0 .35em}
 .images{display:flex;gap:1em;flex-wrap:wrap}figure{margin:.5em 0;width:362px}
 figure img{image-rendering:pixelated;width:360px;border:1px solid #ccc;display:block}
@@ -56,7 +57,8 @@ std::string overview_row(const CaseRow& row) {
 
 std::string measures_table(const CaseResult& result) {
     std::string html =
-        "<table><tr><th class=\"text\">gate</th><th>naive</th><th>own</th><th>limit</th>"
+        "<table class=\"gates\"><tr><th "
+        "class=\"text\">gate</th><th>naive</th><th>own</th><th>limit</th>"
         "<th>margin</th><th class=\"text\">worst input</th></tr>";
     for (const Measure& m : result.measures) {
         html += "<tr>" + cell(m.metric, "text") + cell(figure_text(m.naive)) +

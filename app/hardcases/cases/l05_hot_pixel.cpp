@@ -181,8 +181,11 @@ CaseResult run(Effort effort) {
     maps.push_back(full ? Map{8192, 4096, 2000, 1000, 1e9, "sky"}
                         : Map{2048, 1024, 500, 200, 4e7, "sky"});
 
-    Sweep sweep{
-        "heat of the pixel over the sky", "relative error of the irradiance", true, 0.004, {}};
+    Sweep sweep{"heat of the pixel over the sky",
+                "relative error of the irradiance (Talbot's with its noise)",
+                true,
+                0.004,
+                {}};
     WorstError z, unreachable, sum;
     double naive_unreachable = 0;
     WorstError naive_z;
