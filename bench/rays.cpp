@@ -365,7 +365,9 @@ int run(const Options& options) {
             if (is_wanted(maker)) run_rates(maker.make(), maker.is_extra, options, report);
         }
         print_means(report, false);
-        print_means(report, true);
+        const auto is_extra = [](const Result& r) { return r.is_extra; };
+        if (std::any_of(report.rates.begin(), report.rates.end(), is_extra))
+            print_means(report, true);
     }
     if (options.wants("builds")) {
         for (const SceneMaker& maker : makers) {

@@ -417,7 +417,9 @@ bool build_tree(HugePageVector<BuildPrimitive>& primitives, BuildQuality quality
         upper.tasks.size(),
         [&](uint64_t i, unsigned) {
             UpperTree::Task& task = upper.tasks[i];
-            task.tree.blocks.reserve(task.range.size() / kBlockWidth + 1);
+            // Growing by doubling would hold, and touch, twice as much.
+            task.tree.nodes.reserve(task.range.size() / 12 + 1);
+            task.tree.blocks.reserve(task.range.size() / 3 + 1);
             task.root = builder.build(task.range, task.depth, task.tree);
             joiner.finish(i);
             const uint64_t now = done.fetch_add(task.range.size()) + task.range.size();
