@@ -224,40 +224,44 @@ class EmbreeScene {
 #endif
 
 // Builds one engine over a scene, and says what that took.
-using EngineMaker = std::function<Engine()>;
+struct EngineMaker {
+    std::string name;
+    std::function<Engine(WorkerPool& pool)> make;
+};
 
 // Talbot's two qualities, and Embree in its default, its robust and its high-quality mode. The
 // scene must outlive what they make.
-inline std::vector<EngineMaker> engine_makers(const test::SceneData& scene, WorkerPool& pool) {
+inline std::vector<EngineMaker> engine_makers(const test::SceneData& scene) {
     std::vector<EngineMaker> makers;
     const auto add_talbot = [&](const char* name, BuildQuality quality) {
-        makers.push_back([&scene, &pool, name, quality] {
-            double peak = 0;
-            double cpu_seconds = 0;
-            std::shared_ptr<const Accel> accel = build_watched(peak, [&] {
-                const double start = process_seconds();
-                auto built = build_accel(scene.input(quality), pool);
-                cpu_seconds = process_seconds() - start;
-                return built;
-            });
-            Engine engine = talbot_engine(name, accel);
-            engine.build_cpu_seconds = cpu_seconds;
-            engine.peak_bytes = peak;
-            return engine;
-        });
+        makers.push_back({name, [&scene, name, quality](WorkerPool& pool) {
+                              double peak = 0;
+                              double cpu_seconds = 0;
+                              std::shared_ptr<const Accel> accel = build_watched(peak, [&] {
+                                  const double start = process_seconds();
+                                  auto built = build_accel(scene.input(quality), pool);
+                                  cpu_seconds = process_seconds() - start;
+                                  return built;
+                              });
+                              Engine engine = talbot_engine(name, accel);
+                              engine.build_cpu_seconds = cpu_seconds;
+                              engine.peak_bytes = peak;
+                              return engine;
+                          }});
     };
     add_talbot("Talbot", BuildQuality::high);
     add_talbot("Talbot fast", BuildQuality::fast);
 #if TALBOT_BENCH_EMBREE
     const auto add_embree = [&](const char* name, RTCSceneFlags flags, RTCBuildQuality quality) {
-        makers.push_back([&scene, name, flags, quality] {
-            double peak = 0;
-            std::shared_ptr<const EmbreeScene> embree = build_watched(
-                peak, [&] { return std::make_unique<EmbreeScene>(scene, flags, quality); });
-            Engine engine = EmbreeScene::engine(name, embree);
-            engine.peak_bytes = peak;
-            return engine;
-        });
+        makers.push_back({name, [&scene, name, flags, quality](WorkerPool&) {
+                              double peak = 0;
+                              std::shared_ptr<const EmbreeScene> embree = build_watched(peak, [&] {
+                                  return std::make_unique<EmbreeScene>(scene, flags, quality);
+                              });
+                              Engine engine = EmbreeScene::engine(name, embree);
+                              engine.peak_bytes = peak;
+                              return engine;
+                          }});
     };
     add_embree("Embree", RTC_SCENE_FLAG_NONE, RTC_BUILD_QUALITY_MEDIUM);
     add_embree("Embree robust", RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_MEDIUM);

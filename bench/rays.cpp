@@ -3,6 +3,9 @@
 // process, single-ray calls, runs interleaved, medians. Rates are per second of each thread's own
 // processor time. Then what the structure is worth beside testing everything, and how cost grows
 // with the number of triangles.
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -117,7 +120,7 @@ void measure(const std::vector<Engine>& engines, const Options& options,
 void run_rates(const BenchScene& scene, bool is_extra, const Options& options, Report& report) {
     WorkerPool pool(2);
     std::vector<Engine> engines;
-    for (const EngineMaker& make : engine_makers(scene.data, pool)) engines.push_back(make());
+    for (const EngineMaker& maker : engine_makers(scene.data)) engines.push_back(maker.make(pool));
     const auto accel = build_accel(scene.data.input(), pool);
     const RaySets sets = make_ray_sets(scene, *accel, options.quick ? 256 : 1024);
     if (report.engines.empty()) {
@@ -158,35 +161,60 @@ void print_means(const Report& report, bool with_extra) {
     }
 }
 
+struct BuildFigures {
+    double seconds = 0;
+    double cpu_seconds = 0;
+    double bytes = 0;
+    double peak_bytes = 0;
+};
+
+// Builds in a process of its own, so that no engine uses memory that a build before it has kept.
+BuildFigures build_apart(const BenchScene& scene, const EngineMaker& maker) {
+    int ends[2];
+    if (pipe(ends) != 0) throw std::runtime_error("there is no pipe");
+    BuildFigures figures;
+    const pid_t child = fork();
+    if (child < 0) throw std::runtime_error("there is no process");
+    if (child == 0) {
+        WorkerPool pool(2);
+        const Engine engine = maker.make(pool);
+        figures = {engine.build_seconds, engine.build_cpu_seconds, engine.bytes, engine.peak_bytes};
+        const bool sent = write(ends[1], &figures, sizeof figures) == sizeof figures;
+        _exit(sent ? 0 : 1);
+    }
+    close(ends[1]);
+    const bool is_whole = read(ends[0], &figures, sizeof figures) == sizeof figures;
+    close(ends[0]);
+    waitpid(child, nullptr, 0);
+    if (!is_whole) throw std::runtime_error(maker.name + " could not build " + scene.name);
+    return figures;
+}
+
 // Build times and memory of all engines, built in turn.
 void run_builds(const BenchScene& scene, const Options& options, Report& report) {
-    WorkerPool pool(2);
-    const std::vector<EngineMaker> makers = engine_makers(scene.data, pool);
-    std::vector<std::vector<Engine>> engines(makers.size());
+    const std::vector<EngineMaker> makers = engine_makers(scene.data);
+    std::vector<std::vector<BuildFigures>> figures(makers.size());
     for (int round = 0; round < options.rounds; ++round) {
-        for (size_t e = 0; e < makers.size(); ++e) {
-            Engine engine = makers[e]();
-            engine.trace = nullptr;  // gives the structure back
-            engines[e].push_back(std::move(engine));
-        }
+        for (size_t e = 0; e < makers.size(); ++e)
+            figures[e].push_back(build_apart(scene, makers[e]));
     }
     Build build{scene.name, 0, {}, {}, {}, {}};
     for (const AccelMesh& mesh : scene.data.input().meshes)
         build.triangles += mesh.indices.size() / 3;
     const bool is_first = report.builds.empty();
     if (report.engines.empty()) {
-        for (const auto& rounds : engines) report.engines.push_back(rounds[0].name);
+        for (const EngineMaker& maker : makers) report.engines.push_back(maker.name);
     }
-    for (const auto& rounds : engines) {
-        const auto of = [&](double Engine::*member) {
+    for (const auto& rounds : figures) {
+        const auto of = [&](double BuildFigures::*member) {
             std::vector<double> values;
-            for (const Engine& engine : rounds) values.push_back(engine.*member);
+            for (const BuildFigures& f : rounds) values.push_back(f.*member);
             return median(values);
         };
-        build.seconds.push_back(of(&Engine::build_seconds));
-        build.cpu_seconds.push_back(of(&Engine::build_cpu_seconds));
-        build.bytes.push_back(of(&Engine::bytes));
-        build.peak_bytes.push_back(of(&Engine::peak_bytes));
+        build.seconds.push_back(of(&BuildFigures::seconds));
+        build.cpu_seconds.push_back(of(&BuildFigures::cpu_seconds));
+        build.bytes.push_back(of(&BuildFigures::bytes));
+        build.peak_bytes.push_back(of(&BuildFigures::peak_bytes));
     }
     if (is_first) {
         std::printf(
@@ -337,7 +365,9 @@ int run(const Options& options) {
             if (is_wanted(maker)) run_rates(maker.make(), maker.is_extra, options, report);
         }
         print_means(report, false);
-        print_means(report, true);
+        const auto is_extra = [](const Result& r) { return r.is_extra; };
+        if (std::any_of(report.rates.begin(), report.rates.end(), is_extra))
+            print_means(report, true);
     }
     if (options.wants("builds")) {
         for (const SceneMaker& maker : makers) {

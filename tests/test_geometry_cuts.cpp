@@ -96,7 +96,7 @@ TEST(Cuts, SmallChildrenComeLast) {
             if (ChildRef::is_leaf(ref)) {
                 uint64_t count = 0;
                 for (uint32_t k = 0; k < ChildRef::count(ref); ++k) {
-                    for (const uint32_t id : tree.blocks[ChildRef::first(ref) + k].primitive)
+                    for (const uint32_t id : tree.blocks[ChildRef::first(ref) + k].number)
                         count += id != kNoId ? 1 : 0;
                 }
                 return count;

@@ -191,6 +191,52 @@ TEST(Instances, IdsNameTheInstance) {
     }
 }
 
+// Many merged instances, some of nothing, some of few and some of many triangles, beside one under
+// a transform: hits name the instance and its own triangle, and leaves are found by them.
+TEST(Instances, MergedOnesKeepTheirIds) {
+    SceneData scene;
+    Rng rng(11);
+    for (int i = 0; i < 300; ++i) {
+        MeshData mesh;
+        const uint32_t count = i % 50 == 49 ? 700 : rng.below(4);
+        for (uint32_t k = 0; k < count; ++k) {
+            const Vec3f p = rng.in_box(-3, 3);
+            mesh.add_triangle(p, p + rng.in_box(-1, 1), p + rng.in_box(-1, 1));
+        }
+        scene.show(std::move(mesh));
+        if (i == 100) {
+            Mat4d larger(1.5);
+            larger[3][3] = 1;
+            scene.place(49, larger);
+        }
+    }
+    for (const BuildQuality quality : {BuildQuality::fast, BuildQuality::high}) {
+        const auto accel = build(scene, quality);
+        const auto oracle = build_brute_force(scene.input());
+        uint64_t hits = 0;
+        uint64_t small = 0;
+        uint64_t wrong = 0;
+        for (int i = 0; i < 4000; ++i) {
+            Ray ray;
+            ray.o = rng.in_box(-5, 5);
+            ray.d = rng.direction();
+            Hit expected;
+            Hit hit;
+            const bool expect = oracle->closest(ray, expected);
+            const bool found = accel->closest(ray, hit);
+            wrong += found != expect || (expect && !same_hit(hit, expected));
+            if (!expect || !found) continue;
+            ++hits;
+            small += scene.meshes[scene.instances[hit.id.instance].mesh].triangles() < 4;
+            LeafPlace place;
+            wrong += !accel->find_leaf(ray, hit, place);
+        }
+        EXPECT_EQ(wrong, 0u);
+        EXPECT_GT(hits, 1000u);
+        EXPECT_GT(small, 10u);
+    }
+}
+
 TEST(InstancesDeathTest, SingularTransformsMustNotArrive) {
     SceneData scene;
     scene.meshes.push_back(displaced_sphere(1, 0));

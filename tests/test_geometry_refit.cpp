@@ -3,7 +3,9 @@
 
 #include <filesystem>
 #include <limits>
+#include <set>
 
+#include "core/geometry/bvh_accel.h"
 #include "core/io/gltf_loader.h"
 #include "core/scene/scene.h"
 #include "geometry_scenes.h"
@@ -55,6 +57,61 @@ SceneData mixed() {
     }
     scene.spheres.push_back({Vec3d(0.5, 0.5, 0.5), 0.3, false});
     return scene;
+}
+
+// Clusters far apart beside a mesh: subtrees that are built apart, some of very few triangles.
+SceneData archipelago() {
+    MeshData mesh = displaced_sphere(30, 0.2f);
+    Rng rng(3);
+    for (int cluster = 0; cluster < 30; ++cluster) {
+        const Vec3f at = rng.in_box(-8, 8);
+        for (int i = 0; i < 3 + cluster; ++i) {
+            const Vec3f p = at + rng.in_box(-0.2f, 0.2f);
+            mesh.add_triangle(p, p + Vec3f(0.1f, 0, 0), p + Vec3f(0, 0.1f, 0.02f));
+        }
+    }
+    return scene_of(std::move(mesh));
+}
+
+// Places of nodes that something not empty refers to more than once, or that refer to themselves.
+uint64_t wrong_links(const Accel& accel) {
+    const Tree& tree = dynamic_cast<const BvhAccel&>(accel).scene.top;
+    std::set<uint32_t> seen;
+    uint64_t wrong = 0;
+    for (size_t n = 0; n < tree.nodes.size(); ++n) {
+        const WideNode& node = tree.nodes[n];
+        for (size_t i = 0; i < kNodeWidth; ++i) {
+            const uint32_t child = node.child[i];
+            if (ChildRef::is_leaf(child) || !(node.plane[0][i] <= node.plane[1][i])) continue;
+            wrong += child <= n || !seen.insert(child).second ? 1 : 0;
+        }
+    }
+    return wrong;
+}
+
+TEST(Refit, UnusedChildrenStayUnused) {
+    const SceneData scene = archipelago();
+    WorkerPool pool(2);
+    const AccelPtr built = build_accel(scene.input(BuildQuality::fast), pool);
+    EXPECT_GT(built->stats().triangles, 8192u);
+    EXPECT_EQ(wrong_links(*built), 0u);
+    const AccelPtr accel = refit_accel(*built, scene.input(BuildQuality::fast), pool);
+    ASSERT_NE(accel, nullptr);
+    ASSERT_EQ(wrong_links(*accel), 0u);
+    const AccelPtr oracle = build_brute_force(scene.input());
+    const MeshData& mesh = scene.meshes[0];
+    Rng rng(4);
+    for (size_t i = mesh.triangles() - 400; i < mesh.triangles(); ++i) {
+        const auto tri = mesh.triangle(i);
+        Ray ray;
+        ray.o = rng.in_box(-10, 10);
+        ray.d = 0.4f * tri[0] + 0.3f * tri[1] + 0.3f * tri[2] - ray.o;
+        Hit expected;
+        Hit hit;
+        ASSERT_TRUE(oracle->closest(ray, expected));
+        ASSERT_TRUE(accel->closest(ray, hit));
+        EXPECT_TRUE(same_hit(hit, expected));
+    }
 }
 
 TEST(Refit, EqualsBruteForceAfterEveryMove) {

@@ -13,8 +13,9 @@
 namespace talbot {
 namespace {
 
-// Appends the boxes of a mesh's triangles and returns how many were dropped.
-uint64_t add_triangles(const AccelMesh& mesh, uint32_t instance,
+// Appends the boxes of a mesh's triangles, numbered from `first` on, and returns how many were
+// dropped.
+uint64_t add_triangles(const AccelMesh& mesh, uint32_t instance, uint32_t first,
                        HugePageVector<BuildPrimitive>& out) {
     const size_t count = mesh.indices.size() / 3;
     uint64_t dropped = 0;
@@ -28,7 +29,7 @@ uint64_t add_triangles(const AccelMesh& mesh, uint32_t instance,
         p.lower = glm::min(t.a, glm::min(t.b, t.c));
         p.upper = glm::max(t.a, glm::max(t.b, t.c));
         p.instance = instance;
-        p.index = static_cast<uint32_t>(i);
+        p.index = first + static_cast<uint32_t>(i);
         out.push_back(p);
     }
     return dropped;
@@ -44,6 +45,7 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& po
     BvhScene& scene = accel->scene;
     AccelStats& stats = accel->numbers;
     scene.objects = make_objects(input, scene.trees);
+    scene.merged = TriangleNumbers(input);
 
     uint64_t total = input.spheres.size();
     std::vector<uint8_t> is_shared(input.meshes.size(), 0);
@@ -69,7 +71,7 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& po
         const AccelMesh& mesh = input.meshes[mesh_index];
         primitives.clear();
         primitives.reserve(places_for(mesh.indices.size() / 3, input.quality));
-        dropped_in_tree[next_tree] = add_triangles(mesh, kNoId, primitives);
+        dropped_in_tree[next_tree] = add_triangles(mesh, kNoId, 0, primitives);
         const auto load = [&mesh](const BuildPrimitive& p) {
             StoredTriangle t;
             load_triangle(mesh, p.index, t, false);
@@ -85,11 +87,14 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& po
 
     primitives.clear();
     primitives.reserve(places_for(total, input.quality));
+    std::vector<uint32_t> first_numbers(input.instances.size(), 0);
     for (size_t i = 0; i < input.instances.size(); ++i) {
         const AccelInstance& instance = input.instances[i];
-        if (!instance.identity) continue;
-        stats.dropped_triangles +=
-            add_triangles(input.meshes[instance.mesh], static_cast<uint32_t>(i), primitives);
+        const AccelMesh& mesh = input.meshes[instance.mesh];
+        if (!instance.identity || mesh.indices.empty()) continue;
+        const auto index = static_cast<uint32_t>(i);
+        first_numbers[i] = scene.merged.number({index, 0});
+        stats.dropped_triangles += add_triangles(mesh, index, first_numbers[i], primitives);
     }
     double reach = 0;
     for (const BuildPrimitive& p : primitives) {
@@ -99,9 +104,10 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& po
     for (const BuildPrimitive& box : object_boxes(input, scene, reach)) {
         if (box.lower.x <= box.upper.x) primitives.push_back(box);
     }
-    const auto load = [&input](const BuildPrimitive& p) {
+    const auto load = [&](const BuildPrimitive& p) {
         StoredTriangle t;
-        load_triangle(input.meshes[input.instances[p.instance].mesh], p.index, t, false);
+        load_triangle(input.meshes[input.instances[p.instance].mesh],
+                      p.index - first_numbers[p.instance], t, false);
         return t;
     };
     if (!build_tree(primitives, input.quality, load, &pool, stop, report, scene.top))

@@ -31,9 +31,8 @@ void set_child_box(WideNode& node, size_t i, const Box& box) {
     }
 }
 
-// Unused children refer to the root.
 bool is_used(uint32_t child) {
-    return child != ChildRef::inner(0);
+    return child != kUnusedChild;
 }
 
 // What a ray that meets the tree is expected to cost in node and block tests, by surface area.
@@ -57,8 +56,10 @@ double tree_cost(const Tree& tree) {
 
 class Refit {
   public:
-    Refit(const AccelInput& input, const std::vector<BuildPrimitive>* objects)
-        : input_(input), objects_(objects) {}
+    // `merged` and `objects` are for the top tree.
+    Refit(const AccelInput& input, const TriangleNumbers* merged,
+          const std::vector<BuildPrimitive>* objects)
+        : input_(input), merged_(merged), objects_(objects) {}
 
     // False when the tree has become too bad. `mesh` is that of all triangles, or kNoId.
     bool run(Tree& tree, uint32_t mesh, WorkerPool& pool) {
@@ -121,12 +122,16 @@ class Refit {
     void set_block(TriangleBlock& block, Box& box) {
         uint64_t hittable = 0;
         for (uint32_t lane = 0; lane < kBlockWidth; ++lane) {
-            const uint32_t primitive = block.primitive[lane];
-            const uint32_t instance = block.instance[lane];
-            if (primitive == kNoId) continue;
-            const uint32_t mesh = mesh_ != kNoId ? mesh_ : input_.instances[instance].mesh;
+            const uint32_t number = block.number[lane];
+            if (number == kNoId) continue;
+            PrimitiveId id{kNoId, number};
+            uint32_t mesh = mesh_;
+            if (mesh == kNoId) {
+                id = merged_->id(number);
+                mesh = input_.instances[id.instance].mesh;
+            }
             StoredTriangle t;
-            if (load_triangle(input_.meshes[mesh], primitive, t)) {
+            if (load_triangle(input_.meshes[mesh], id.primitive, t)) {
                 ++hittable;
                 for (const Vec3f* v : {&t.a, &t.b, &t.c})
                     box.add(Float4{v->x, v->y, v->z, 0}, Float4{v->x, v->y, v->z, 0});
@@ -135,12 +140,13 @@ class Refit {
                 const Vec3f none(std::numeric_limits<float>::quiet_NaN());
                 t = {none, none, none, 0};
             }
-            store_triangle(t, instance, primitive, block, lane);
+            store_triangle(t, number, block, lane);
         }
         hittable_.fetch_add(hittable, std::memory_order_relaxed);
     }
 
     const AccelInput& input_;
+    const TriangleNumbers* merged_;
     const std::vector<BuildPrimitive>* objects_;
     uint32_t mesh_ = kNoId;
     std::atomic<uint64_t> hittable_{0};
@@ -199,10 +205,11 @@ std::unique_ptr<const Accel> refit_accel(const Accel& previous, const AccelInput
     scene.objects = make_objects(input, scene.trees);
     scene.trees = old->scene.trees;
     scene.top = old->scene.top;
+    scene.merged = old->scene.merged;
 
     uint64_t total = 0;
     uint64_t found = 0;
-    Refit of_meshes(input, nullptr);
+    Refit of_meshes(input, nullptr, nullptr);
     size_t next_tree = 0;
     for (const uint32_t mesh : shared_meshes(input)) {
         Tree& tree = scene.trees[next_tree++];
@@ -214,7 +221,7 @@ std::unique_ptr<const Accel> refit_accel(const Accel& previous, const AccelInput
     }
     const std::vector<BuildPrimitive> boxes =
         object_boxes(input, scene, scene.objects.empty() ? 0 : largest_coordinate(input));
-    Refit of_top(input, &boxes);
+    Refit of_top(input, &scene.merged, &boxes);
     if (!of_top.run(scene.top, kNoId, pool)) return nullptr;
     uint64_t in_top = 0;
     uint64_t expected = 0;

@@ -55,9 +55,10 @@ template <bool kBarycentrics>
 HWY_INLINE bool intersect_lanes(const TriangleBlock& block, const BlockRay& ray, float t_limit,
                                 BlockHits& hits) {
     constexpr size_t kStride = 3 * kBlockWidth;
-    const float* px = block.vertex[0][0] + ray.x_plane;
-    const float* py = block.vertex[0][0] + ray.y_plane;
-    const float* pz = block.vertex[0][0] + ray.z_plane;
+    const auto* start = reinterpret_cast<const float*>(&block.vertex);
+    const float* px = start + ray.x_plane;
+    const float* py = start + ray.y_plane;
+    const float* pz = start + ray.z_plane;
     Doubles x[3];
     Doubles y[3];
     Doubles z[3];

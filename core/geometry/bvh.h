@@ -45,6 +45,9 @@ class ChildRef {
     static uint32_t first(uint32_t ref) { return ref & kIndexMask; }
 };
 
+// What unused children refer to: the first node, which is nobody's child.
+inline constexpr uint32_t kUnusedChild = 0;
+
 // Planes in the order lower x, upper x, lower y, upper y, lower z, upper z. Unused children have an
 // empty box.
 struct alignas(64) WideNode {
@@ -53,11 +56,10 @@ struct alignas(64) WideNode {
 };
 
 // Four triangles: coordinate [vertex][axis][lane]. Unused lanes hold NaN, which no test accepts.
-struct alignas(64) TriangleBlock {
+struct alignas(16) TriangleBlock {
     float vertex[3][3][kBlockWidth];
     float extent[kBlockWidth];
-    uint32_t primitive[kBlockWidth];
-    uint32_t instance[kBlockWidth];  // kNoId in the tree of a mesh that instances share
+    uint32_t number[kBlockWidth];  // in the tree's mesh, or of TriangleNumbers; kNoId if unused
 };
 
 // Coordinates of one lane, for intersect_triangle.
@@ -101,8 +103,41 @@ struct SceneObject {
     Vec3d object_from_world_offset{0};
 };
 
+// The triangles of the instances that are merged into the top tree, numbered through in the order
+// of their ids: four bytes name one.
+class TriangleNumbers {
+  public:
+    TriangleNumbers() = default;
+    explicit TriangleNumbers(const AccelInput& input);
+
+    TALBOT_FORCE_INLINE PrimitiveId id(uint32_t number) const {
+        const Part* part = parts_.data() + pages_[number >> kPageShift];
+        while (part[1].first <= number) ++part;
+        return {part->instance, number - part->first};
+    }
+    // kNoId when the triangle is not of a merged instance.
+    uint32_t number(const PrimitiveId& id) const;
+    // The merged instance if there is just one, else kNoId.
+    uint32_t only_instance() const { return only_instance_; }
+    uint64_t bytes() const {
+        return parts_.size() * sizeof(Part) + pages_.size() * sizeof(uint32_t);
+    }
+
+  private:
+    struct Part {
+        uint32_t first;
+        uint32_t instance;
+    };
+    static constexpr uint32_t kPageShift = 7;
+
+    std::vector<Part> parts_;      // those with triangles, and an end
+    std::vector<uint32_t> pages_;  // the part that each 128th number is in
+    uint32_t only_instance_ = kNoId;
+};
+
 struct BvhScene {
     Tree top;
+    TriangleNumbers merged;
     std::vector<Tree> trees;
     std::vector<SceneObject> objects;
     std::vector<uint8_t> filtered;  // per instance

@@ -77,7 +77,8 @@ void complete(const AccelInput& input, BvhAccel& accel) {
     stats.instances = input.instances.size();
     stats.spheres = input.spheres.size();
     stats.depth = scene.top.depth;
-    stats.bytes = scene.objects.size() * sizeof(SceneObject) + scene.top.bytes();
+    stats.bytes =
+        scene.objects.size() * sizeof(SceneObject) + scene.merged.bytes() + scene.top.bytes();
     stats.triangles = scene.top.triangles;
     stats.references = scene.top.references;
     stats.nodes = scene.top.nodes.size();

@@ -9,6 +9,8 @@
 #include <array>
 #include <atomic>
 #include <limits>
+#include <mutex>
+#include <utility>
 #include <vector>
 
 #include "core/base/check.h"
@@ -111,7 +113,7 @@ class Builder {
                 node.plane[2 * axis][i] = box.lower[axis];
                 node.plane[2 * axis + 1][i] = box.upper[axis];
             }
-            node.child[i] = used ? refs[i] : 0;
+            node.child[i] = used ? refs[i] : kUnusedChild;
         }
     }
 
@@ -125,7 +127,7 @@ class Builder {
         const uint64_t first = tree.blocks.size();
         for (size_t i = 0; i < items.size(); ++i) {
             if (i % kBlockWidth == 0) tree.blocks.push_back(empty_block());
-            store_triangle(load_(items[i]), items[i].instance, items[i].index, tree.blocks.back(),
+            store_triangle(load_(items[i]), items[i].index, tree.blocks.back(),
                            static_cast<uint32_t>(i % kBlockWidth));
         }
         tree.references += items.size();
@@ -140,8 +142,7 @@ class Builder {
                 std::fill(std::begin(axis), std::end(axis),
                           std::numeric_limits<float>::quiet_NaN());
         }
-        std::fill(std::begin(block.primitive), std::end(block.primitive), kNoId);
-        std::fill(std::begin(block.instance), std::end(block.instance), kNoId);
+        std::fill(std::begin(block.number), std::end(block.number), kNoId);
         return block;
     }
 
@@ -313,12 +314,24 @@ uint32_t shifted(uint32_t ref, const Tree& base) {
     return ChildRef::leaf(ChildRef::first(ref) + offset, ChildRef::count(ref), objects);
 }
 
+// Room for `more` elements; where there is none, for an eighth more than there are, as what is
+// never used of it would be most of a large array's memory while it is built.
+template <class T>
+void make_room(HugePageVector<T>& array, size_t more) {
+    const size_t wanted = array.size() + more;
+    if (wanted > array.capacity()) array.reserve(std::max(wanted, array.size() + array.size() / 8));
+}
+
 // Appends a task's tree and returns the reference to its root.
 uint32_t append(Tree& tree, UpperTree::Task& task) {
     const uint32_t root = shifted(task.root, tree);
     for (WideNode& node : task.tree.nodes) {
-        for (uint32_t& child : node.child) child = shifted(child, tree);
+        for (uint32_t& child : node.child) {
+            if (child != kUnusedChild) child = shifted(child, tree);
+        }
     }
+    make_room(tree.nodes, task.tree.nodes.size());
+    make_room(tree.blocks, task.tree.blocks.size());
     tree.nodes.insert(tree.nodes.end(), task.tree.nodes.begin(), task.tree.nodes.end());
     tree.blocks.insert(tree.blocks.end(), task.tree.blocks.begin(), task.tree.blocks.end());
     tree.objects.insert(tree.objects.end(), task.tree.objects.begin(), task.tree.objects.end());
@@ -328,31 +341,48 @@ uint32_t append(Tree& tree, UpperTree::Task& task) {
     return root;
 }
 
-void join(UpperTree& upper, Tree& tree) {
-    uint64_t nodes = upper.nodes.size();
-    uint64_t blocks = 0;
-    uint64_t objects = 0;
-    for (const UpperTree::Task& task : upper.tasks) {
-        nodes += task.tree.nodes.size();
-        blocks += task.tree.blocks.size();
-        objects += task.tree.objects.size();
+// Takes the trees of finished tasks, in the order of the tasks, while later ones are still built:
+// few of them are there at a time beside the whole.
+class Joiner {
+  public:
+    Joiner(UpperTree& upper, uint64_t primitives, Tree& tree)
+        : upper_(upper), tree_(tree), is_done_(upper.tasks.size(), false) {
+        tree.nodes.reserve(upper.nodes.size() + primitives / kPrimitivesPerNode);
+        tree.blocks.reserve(primitives * kBlocksPerPrimitive.first / kBlocksPerPrimitive.second);
+        tree.nodes.resize(upper.nodes.size());
     }
-    tree.nodes.reserve(nodes);
-    tree.blocks.reserve(blocks);
-    tree.objects.reserve(objects);
-    tree.nodes.resize(upper.nodes.size());
-    std::vector<uint32_t> roots;
-    for (UpperTree::Task& task : upper.tasks) roots.push_back(append(tree, task));
-    for (size_t i = 0; i < upper.nodes.size(); ++i) {
-        const UpperNode& node = upper.nodes[i];
-        std::array<uint32_t, kNodeWidth> refs{};
-        for (size_t k = 0; k < node.children.size(); ++k) {
-            refs[k] =
-                node.upper[k] != kNoId ? ChildRef::inner(node.upper[k]) : roots[node.subtree[k]];
+
+    void finish(size_t task) {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        is_done_[task] = true;
+        while (roots_.size() < is_done_.size() && is_done_[roots_.size()])
+            roots_.push_back(append(tree_, upper_.tasks[roots_.size()]));
+    }
+
+    // After the last task.
+    void fill_upper_nodes() {
+        for (size_t i = 0; i < upper_.nodes.size(); ++i) {
+            const UpperNode& node = upper_.nodes[i];
+            std::array<uint32_t, kNodeWidth> refs{};
+            for (size_t k = 0; k < node.children.size(); ++k) {
+                refs[k] = node.upper[k] != kNoId ? ChildRef::inner(node.upper[k])
+                                                 : roots_[node.subtree[k]];
+            }
+            Builder::fill_node(tree_.nodes[i], node.children, refs);
         }
-        Builder::fill_node(tree.nodes[i], node.children, refs);
     }
-}
+
+  private:
+    // What most trees have: memory that is not touched costs nothing.
+    static constexpr uint64_t kPrimitivesPerNode = 14;
+    static constexpr std::pair<uint64_t, uint64_t> kBlocksPerPrimitive = {2, 7};
+
+    UpperTree& upper_;
+    Tree& tree_;
+    std::mutex mutex_;
+    std::vector<bool> is_done_;
+    std::vector<uint32_t> roots_;
+};
 
 }  // namespace
 
@@ -381,20 +411,23 @@ bool build_tree(HugePageVector<BuildPrimitive>& primitives, BuildQuality quality
     }
     UpperTree upper;
     upper.grow(upper_builder, whole, 0, std::max(kSubtreeSize, count / 64));
+    Joiner joiner(upper, count, tree);
     std::atomic<uint64_t> done{0};
     pool->parallel_for(
         upper.tasks.size(),
         [&](uint64_t i, unsigned) {
             UpperTree::Task& task = upper.tasks[i];
+            // Growing by doubling would hold, and touch, twice as much.
+            task.tree.nodes.reserve(task.range.size() / 12 + 1);
+            task.tree.blocks.reserve(task.range.size() / 3 + 1);
             task.root = builder.build(task.range, task.depth, task.tree);
+            joiner.finish(i);
             const uint64_t now = done.fetch_add(task.range.size()) + task.range.size();
             if (progress) progress(std::min(now, count));
         },
         stop);
     if (stop.stop_requested()) return false;
-    // What joining takes in memory can be less than this frees.
-    HugePageVector<BuildPrimitive>().swap(primitives);
-    join(upper, tree);
+    joiner.fill_upper_nodes();
     tree.depth = std::max(tree.depth, 1u);
     tree.root = ChildRef::inner(0);
     tree.outgrows_cache = tree.bytes() > kCachedTreeBytes;

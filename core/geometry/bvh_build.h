@@ -12,7 +12,8 @@
 
 namespace talbot {
 
-// A primitive's box. `instance` is kObjectPrimitive for objects; then `index` is the object's.
+// A primitive's box. `index` is a triangle's number in its tree; or, where `instance` is
+// kObjectPrimitive, an object's.
 struct alignas(32) BuildPrimitive {
     Vec3f lower;
     uint32_t instance;

@@ -11,11 +11,12 @@ namespace {
 
 class LeafSearch {
   public:
-    LeafSearch(const Tree& tree, const LocalRay& ray, const Hit& hit)
+    // `number` is the triangle's in the tree, or kNoId.
+    LeafSearch(const Tree& tree, const LocalRay& ray, const Hit& hit, uint32_t number)
         : tree_(tree),
           slabs_(make_slab_ray(ray.sheared, tree.bounds)),
           limit_(hit.t * ray.t_unscale * kSlabFarFactor),
-          id_(hit.id) {
+          number_(number) {
         for (int i = 0; i < 3; ++i) backward_[i] = std::signbit(ray.sheared.d[i]);
     }
 
@@ -41,12 +42,8 @@ class LeafSearch {
                 if (tree_.objects[k] == object) return true;
                 continue;
             }
-            const TriangleBlock& block = tree_.blocks[k];
-            for (uint32_t lane = 0; lane < kBlockWidth; ++lane) {
-                const bool shared = block.instance[lane] == kNoId;
-                if (block.primitive[lane] == id_.primitive &&
-                    (shared || block.instance[lane] == id_.instance))
-                    return true;
+            for (const uint32_t number : tree_.blocks[k].number) {
+                if (number == number_ && number != kNoId) return true;
             }
         }
         return false;
@@ -69,7 +66,7 @@ class LeafSearch {
     SlabRay slabs_;
     bool backward_[3];
     float limit_;
-    PrimitiveId id_;
+    uint32_t number_;
 };
 
 }  // namespace
@@ -82,17 +79,20 @@ bool BvhAccel::find_leaf(const Ray& ray, const Hit& hit, LeafPlace& place) const
         if (object.is_sphere != hit.is_sphere() ||
             object.id != (hit.is_sphere() ? hit.id.primitive : hit.id.instance))
             continue;
-        if (!LeafSearch(scene.top, local, hit).find(scene.top.root, 0, i, place)) return false;
+        if (!LeafSearch(scene.top, local, hit, kNoId).find(scene.top.root, 0, i, place))
+            return false;
         if (object.is_sphere) return true;
         const uint32_t depth = place.depth;
         const Tree& tree = scene.trees[object.tree];
         LocalRay inside;
         if (!to_object_space(ray, object, inside)) return false;
-        if (!LeafSearch(tree, inside, hit).find(tree.root, 0, kNoId, place)) return false;
+        if (!LeafSearch(tree, inside, hit, hit.id.primitive).find(tree.root, 0, kNoId, place))
+            return false;
         place.depth += depth;
         return true;
     }
-    return LeafSearch(scene.top, local, hit).find(scene.top.root, 0, kNoId, place);
+    return LeafSearch(scene.top, local, hit, scene.merged.number(hit.id))
+        .find(scene.top.root, 0, kNoId, place);
 }
 
 }  // namespace talbot

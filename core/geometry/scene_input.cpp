@@ -21,16 +21,39 @@ bool load_triangle(const AccelMesh& mesh, size_t i, StoredTriangle& triangle, bo
     return true;
 }
 
-void store_triangle(const StoredTriangle& triangle, uint32_t instance, uint32_t primitive,
-                    TriangleBlock& block, uint32_t lane) {
+void store_triangle(const StoredTriangle& triangle, uint32_t number, TriangleBlock& block,
+                    uint32_t lane) {
     const Vec3f* corners[3] = {&triangle.a, &triangle.b, &triangle.c};
     for (size_t k = 0; k < 3; ++k) {
         for (size_t axis = 0; axis < 3; ++axis)
             block.vertex[k][axis][lane] = (*corners[k])[static_cast<int>(axis)];
     }
     block.extent[lane] = triangle.extent;
-    block.primitive[lane] = primitive;
-    block.instance[lane] = instance;
+    block.number[lane] = number;
+}
+
+TriangleNumbers::TriangleNumbers(const AccelInput& input) {
+    uint64_t first = 0;
+    for (size_t i = 0; i < input.instances.size(); ++i) {
+        const AccelInstance& instance = input.instances[i];
+        const uint64_t triangles = input.meshes[instance.mesh].indices.size() / 3;
+        if (!instance.identity || triangles == 0) continue;
+        const auto part = static_cast<uint32_t>(parts_.size());
+        parts_.push_back({static_cast<uint32_t>(first), static_cast<uint32_t>(i)});
+        first += triangles;
+        TALBOT_CHECK(first < kNoId);
+        while (pages_.size() << kPageShift < first) pages_.push_back(part);
+    }
+    if (parts_.size() == 1) only_instance_ = parts_[0].instance;
+    parts_.push_back({static_cast<uint32_t>(first), kNoId});
+}
+
+uint32_t TriangleNumbers::number(const PrimitiveId& id) const {
+    const auto part =
+        std::lower_bound(parts_.begin(), parts_.end(), id.instance,
+                         [](const Part& p, uint32_t instance) { return p.instance < instance; });
+    if (part == parts_.end() || part->instance != id.instance || id.instance == kNoId) return kNoId;
+    return part->first + id.primitive;
 }
 
 std::vector<uint32_t> shared_meshes(const AccelInput& input) {

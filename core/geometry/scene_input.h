@@ -23,8 +23,8 @@ struct StoredTriangle {
 bool load_triangle(const AccelMesh& mesh, size_t i, StoredTriangle& triangle, bool check = true);
 
 // Puts the triangle into a lane of a block.
-void store_triangle(const StoredTriangle& triangle, uint32_t instance, uint32_t primitive,
-                    TriangleBlock& block, uint32_t lane);
+void store_triangle(const StoredTriangle& triangle, uint32_t number, TriangleBlock& block,
+                    uint32_t lane);
 
 // Meshes that some instance shows under a transform, each once, in the order of first use.
 std::vector<uint32_t> shared_meshes(const AccelInput& input);

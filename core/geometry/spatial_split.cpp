@@ -11,7 +11,9 @@
 namespace talbot {
 namespace {
 
-constexpr uint32_t kPlanes = 16;          // bins along an axis
+constexpr uint32_t kPlanes = 16;    // bins along an axis, at most
+constexpr uint32_t kFewPlanes = 8;  // for fewer primitives than
+constexpr uint64_t kFewPrimitives = 64;
 constexpr float kAlmostAll = 0.9f;        // of a box's extent
 constexpr uint64_t kCutPieceSize = 8192;  // primitives that a worker takes at a time
 
@@ -22,29 +24,33 @@ bool is_empty(const Box& box) {
 
 // Equal parts of a box along each axis.
 struct Slices {
+    uint32_t count;
     Float4 lower;
     Float4 width{0, 0, 0, 0};
     Float4 scale{0, 0, 0, 0};  // 0: not to be split along this axis
     Float4 most;               // almost the box's extents
 
-    explicit Slices(const Box& box) : lower(box.lower), most(kAlmostAll * (box.upper - box.lower)) {
+    Slices(const Box& box, uint64_t primitives)
+        : count(primitives < kFewPrimitives ? kFewPlanes : kPlanes),
+          lower(box.lower),
+          most(kAlmostAll * (box.upper - box.lower)) {
         for (int i = 0; i < 3; ++i) {
             const float extent = box.upper[i] - box.lower[i];
-            const float s = static_cast<float>(kPlanes) / extent;
+            const float s = static_cast<float>(count) / extent;
             if (!(extent > kMinSplitExtent && s < kInfinity)) continue;
             scale[i] = s;
-            width[i] = extent / static_cast<float>(kPlanes);
+            width[i] = extent / static_cast<float>(count);
         }
     }
     uint32_t first_of(float at, int axis) const {
         return static_cast<uint32_t>(
-            std::clamp((at - lower[axis]) * scale[axis], 0.0f, static_cast<float>(kPlanes - 1)));
+            std::clamp((at - lower[axis]) * scale[axis], 0.0f, static_cast<float>(count - 1)));
     }
     // The slice that ends a box: one that begins where the box ends does not count.
     uint32_t last_of(float at, int axis, uint32_t first) const {
         const float slice = std::ceil((at - lower[axis]) * scale[axis]) - 1;
         const auto last =
-            static_cast<uint32_t>(std::clamp(slice, 0.0f, static_cast<float>(kPlanes - 1)));
+            static_cast<uint32_t>(std::clamp(slice, 0.0f, static_cast<float>(count - 1)));
         return std::max(first, last);
     }
     float plane(uint32_t slice, int axis) const {
@@ -189,7 +195,7 @@ void cut_triangle(const StoredTriangle& triangle, const Box& box, int axis, floa
 
 SpatialSplit search_spatial_split(std::span<const BuildPrimitive> primitives,
                                   const LoadTriangle& load, WorkerPool* pool, const Range& range) {
-    const Slices slices(range.box);
+    const Slices slices(range.box, range.size());
     const SliceRows bins = fill_slices(primitives, load, slices, pool);
     SpatialSplit best;
     for (int axis = 0; axis < 3; ++axis) {
@@ -199,7 +205,7 @@ SpatialSplit search_spatial_split(std::span<const BuildPrimitive> primitives,
         std::array<uint64_t, kPlanes> second_count{};
         Box box;
         uint64_t count = 0;
-        for (uint32_t i = kPlanes - 1; i > 0; --i) {
+        for (uint32_t i = slices.count - 1; i > 0; --i) {
             box.add(row[i].box);
             count += row[i].leave;
             second_count[i] = count;
@@ -207,7 +213,7 @@ SpatialSplit search_spatial_split(std::span<const BuildPrimitive> primitives,
         }
         box = {};
         count = 0;
-        for (uint32_t i = 1; i < kPlanes; ++i) {
+        for (uint32_t i = 1; i < slices.count; ++i) {
             box.add(row[i - 1].box);
             count += row[i - 1].enter;
             // Both parts must be smaller than the whole.
@@ -225,7 +231,7 @@ SpatialSplit search_spatial_split(std::span<const BuildPrimitive> primitives,
 
 bool partition_spatially(std::span<BuildPrimitive> primitives, const LoadTriangle& load,
                          const Range& range, Range& first, Range& second) {
-    const Slices slices(range.box);
+    const Slices slices(range.box, range.size());
     const float plane = slices.plane(range.split_bin, range.axis);
     uint64_t i = 0;
     uint64_t j = range.size();

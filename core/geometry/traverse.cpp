@@ -125,8 +125,9 @@ HWY_INLINE bool intersect_block(Query& query, const LocalRay& ray, const Triangl
     uint32_t left = hits.hit | hits.undecided;
     do {
         const uint32_t i = take_lowest(left);
-        const PrimitiveId id{ray.instance == kNoId ? block.instance[i] : ray.instance,
-                             block.primitive[i]};
+        const uint32_t number = block.number[i];
+        const PrimitiveId id = ray.instance == kNoId ? query.scene.merged.id(number)
+                                                     : PrimitiveId{ray.instance, number};
         if (id == query.ray.skip_from || id == query.ray.skip_to) continue;
         TriangleHit hit{hits.t[i], 0, 0};
         if constexpr (kBarycentrics) hit = {hits.t[i], hits.u[i], hits.v[i]};
@@ -301,6 +302,7 @@ template <bool kAny, bool kFilter, bool kObjects, bool kCount>
 HWY_INLINE bool run(Query& query) {
     LocalRay local;
     if (!to_world_kernel(query.ray, local)) return false;
+    local.instance = query.scene.merged.only_instance();
     query.best = {query.ray.t_max, 0, 0, {0, 0}};
     traverse<kAny, kFilter, kObjects, kCount>(query, query.scene.top, local);
     return query.found;
