@@ -91,12 +91,7 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& po
         stats.dropped_triangles +=
             add_triangles(input.meshes[instance.mesh], static_cast<uint32_t>(i), primitives);
     }
-    double reach = 0;
-    for (const BuildPrimitive& p : primitives) {
-        reach =
-            std::max<double>(reach, max_component(glm::max(glm::abs(p.lower), glm::abs(p.upper))));
-    }
-    for (const BuildPrimitive& box : object_boxes(input, scene, reach)) {
+    for (const BuildPrimitive& box : object_boxes(input, scene)) {
         if (box.lower.x <= box.upper.x) primitives.push_back(box);
     }
     const auto load = [&input](const BuildPrimitive& p) {
