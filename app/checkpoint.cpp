@@ -80,6 +80,11 @@ std::string sample_settings(const Scene& scene, const Camera& camera,
     const Environment& e = scene.environment();
     text.word("environment", e.image ? e.image->sha256 : "none");
     text.vector("environment.color", e.color);
+    if (e.gradient) {
+        text.vector("environment.gradient", e.gradient->axis);
+        text.vector("environment.from", e.gradient->from);
+        text.vector("environment.to", e.gradient->to);
+    }
     text.number("environment.rotation", static_cast<double>(e.rotation_degrees));
     text.number("environment.intensity", static_cast<double>(e.intensity));
     for (const PunctualLight& light : scene.punctual_lights()) {
