@@ -139,8 +139,7 @@ Status write(const AbOptions& o, const Options& base, const AbSnapshot& s) {
                          {"a", side_json(s.a, o.a)},
                          {"b", side_json(s.b, o.b)},
                          {"verdict", verdict_json(s.verdict)}};
-    return write_text(o.json,
-                      j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
+    return write_text(o.json, j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
 }
 
 Status compare(const AbOptions& o, const Options& base, const Options& a, const Options& b) {

@@ -93,8 +93,8 @@ void print_compared(const ImageErrors& e) {
 }
 
 Status compare(const CompareOptions& options) {
-    if (Status status = check_output_files({options.output, options.json},
-                                           {options.image, options.reference});
+    if (Status status =
+            check_output_files({options.output, options.json}, {options.image, options.reference});
         !status)
         return status;
     const Result<ImageRgba> image = load_any(options.image);

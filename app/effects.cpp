@@ -72,9 +72,10 @@ void print_text(const SceneSetup& setup, const PreparedView& view,
             std::snprintf(change, sizeof(change), "below %.2g %%", price->change.hi95);
         }
         const std::string& witness = view.effects.witness[static_cast<std::size_t>(info.effect)];
-        std::printf("%-27s %-5s %-16s %-8s %-18s %s\n", std::string(info.name).c_str(),
-                    std::string(effect_state_name(effect_state(setup.settings, info.effect))).c_str(),
-                    time, error, change, witness.empty() ? "nobody" : witness.c_str());
+        std::printf(
+            "%-27s %-5s %-16s %-8s %-18s %s\n", std::string(info.name).c_str(),
+            std::string(effect_state_name(effect_state(setup.settings, info.effect))).c_str(), time,
+            error, change, witness.empty() ? "nobody" : witness.c_str());
     }
     std::printf("kernel %s; not used: %s\n", std::string(kTiers[view.tier].name).c_str(),
                 unused.c_str());
@@ -97,7 +98,8 @@ int run_effects(const Options& options) {
     ProgressLine progress;
     const std::vector<EffectPrice> prices =
         *price_effects(setup->scene, setup->camera, setup->settings, policy, {}, [&](float done) {
-            progress.show("pricing effects, " + std::to_string(static_cast<int>(100 * done)) + " %");
+            progress.show("pricing effects, " + std::to_string(static_cast<int>(100 * done)) +
+                          " %");
         });
     progress.wipe();
     if (options.json) {

@@ -57,8 +57,7 @@ bool writes_nothing(const Options& o) {
 
 std::string progress_text(const Snapshot& s, uint64_t frames) {
     char text[160];
-    int used =
-        std::snprintf(text, sizeof(text), "%llu", static_cast<unsigned long long>(s.passes));
+    int used = std::snprintf(text, sizeof(text), "%llu", static_cast<unsigned long long>(s.passes));
     const auto append = [&](const char* format, auto... values) {
         if (used > 0 && static_cast<std::size_t>(used) < sizeof(text)) {
             used += std::snprintf(text + used, sizeof(text) - static_cast<std::size_t>(used),
@@ -108,13 +107,11 @@ Status write_files(const Options& options, RenderSession& session, const Snapsho
                    WorkerPool& pool, std::string& film_hash) {
     std::vector<ImageLayer> layers;
     if (!options.aovs.empty()) {
-        session.with_film([&](const FilmView& view) {
-            layers = make_aov_layers(options.aovs, s, view, pool);
-        });
+        session.with_film(
+            [&](const FilmView& view) { layers = make_aov_layers(options.aovs, s, view, pool); });
     }
     for (const std::string& output : options.outputs) {
-        if (Status status =
-                save_picture(output, *s.image, options.display, layers, metadata_of(s));
+        if (Status status = save_picture(output, *s.image, options.display, layers, metadata_of(s));
             !status)
             return status;
     }

@@ -3,7 +3,8 @@
 
 namespace talbot {
 
-// From here on they end the program at once, with a line and its exit code: there is nothing to save.
+// From here on they end the program at once, with a line and its exit code: there is nothing to
+// save.
 void leave_on_interrupt();
 
 // From here on they only raise a flag: is_interrupted() is the question that long work asks.

@@ -187,11 +187,11 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
     app.add_option("--texture-filter", raw.texture_filter,
                    "how textures are looked up: none, or cones, which blur them by what a path "
                    "covers (biased)");
-    app.add_option("--lights", raw.lights, "how one of many lights is chosen: " +
-                                               names_of(kLightSelections));
-    app.add_option("--environment-sampling", raw.environment_sampling,
-                   "how directions into an environment image are drawn: " +
-                       names_of(kEnvironmentSamplings));
+    app.add_option("--lights", raw.lights,
+                   "how one of many lights is chosen: " + names_of(kLightSelections));
+    app.add_option(
+        "--environment-sampling", raw.environment_sampling,
+        "how directions into an environment image are drawn: " + names_of(kEnvironmentSamplings));
     app.add_option("--light-units", raw.light_units,
                    "what the file's intensities are: spec (candela, lux) or radiometric (watts, "
                    "without 683 lm/W)");
@@ -346,9 +346,8 @@ Status convert(const RawOptions& raw, Options& o) {
             set_from_table(raw.filter, "--filter", kFilters, &FilterInfo::kind, o.render.filter);
         !s)
         return s;
-    if (Status s =
-            set_from_table(raw.texture_filter, "--texture-filter", kTextureFilterings,
-                           &TextureFilteringInfo::kind, o.render.texture_filter);
+    if (Status s = set_from_table(raw.texture_filter, "--texture-filter", kTextureFilterings,
+                                  &TextureFilteringInfo::kind, o.render.texture_filter);
         !s)
         return s;
     if (Status s = convert_lights(raw, o); !s) return s;
@@ -388,8 +387,9 @@ Status check_combination(const RawOptions& raw, const Options& o) {
         return usage_error("--json", "goes with info and effects; use --report FILE");
     if (o.command != Command::render &&
         (writes || o.pixel || !o.report.empty() || !o.interact.empty()))
-        return usage_error("command line", "info and effects print and write no file; leave out "
-                                           "--output and the like");
+        return usage_error("command line",
+                           "info and effects print and write no file; leave out "
+                           "--output and the like");
     if (o.pixel && (writes || ends || !o.report.empty() || !o.interact.empty()))
         return usage_error("--pixel",
                            "replays one sample and writes no file; leave out the others");

@@ -1,5 +1,5 @@
-// The files that the program writes: checked before any work is done, pictures by their ending, text to a file or the standard
-// output.
+// The files that the program writes: checked before any work is done, pictures by their ending,
+// text to a file or the standard output.
 #pragma once
 
 #include <string>

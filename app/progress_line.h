@@ -1,4 +1,5 @@
-// One line of progress that is written over again and again, where messages go to a terminal; silent elsewhere.
+// One line of progress that is written over again and again, where messages go to a terminal;
+// silent elsewhere.
 #pragma once
 
 #include <string>

@@ -24,8 +24,8 @@ struct SceneSetup {
 // The scene file that is meant: the argument, or the built-in default.
 std::filesystem::path scene_path(const Options& options);
 
-// Loads the file and applies --environment, without building anything; a file without any light gets
-// the viewer's default. Reports warnings of the file to the log.
+// Loads the file and applies --environment, without building anything; a file without any light
+// gets the viewer's default. Reports warnings of the file to the log.
 Result<SceneDesc> load_scene(const Options& options);
 
 // --camera and --orbit, or the file's first camera, or one that frames everything.

@@ -12,8 +12,8 @@ class App;
 
 namespace talbot {
 
-// Reads the words into what `app`, of the command's whole name, was told to fill. False when help or
-// the version was printed and nothing is left to do.
+// Reads the words into what `app`, of the command's whole name, was told to fill. False when help
+// or the version was printed and nothing is left to do.
 Result<bool> parse_words(CLI::App& app, std::span<const std::string> words);
 
 }  // namespace talbot

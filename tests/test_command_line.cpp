@@ -211,8 +211,9 @@ TEST_F(CommandLine, AnInterruptWritesWhatThereIsAndExits130) {
     // The end of the terminal, unless it is to be outlived.
     const std::string endless = kCornell + " --frames 1000000 --size 64x64 --output ";
     const std::string closed = path("h.exr");
-    EXPECT_EQ(run(endless + closed + " & pid=$!; sleep 1; kill -HUP $pid; wait $pid; exit $?; :").code,
-              130);
+    EXPECT_EQ(
+        run(endless + closed + " & pid=$!; sleep 1; kill -HUP $pid; wait $pid; exit $?; :").code,
+        130);
     EXPECT_GT(fs::file_size(closed), 1000u);
     const Outcome kept = run(kCornell + " --time 2 --size 64x64 --output " + path("n.exr"), "nohup",
                              " & pid=$!; sleep 1; kill -HUP $pid; wait $pid; exit $?; :");
@@ -221,8 +222,8 @@ TEST_F(CommandLine, AnInterruptWritesWhatThereIsAndExits130) {
 
 TEST_F(CommandLine, WhatHasNothingToSaveSaysSoWhenInterrupted) {
     for (const char* command : {"accuracy ", "effects ", "accuracy certify "}) {
-        const Outcome outcome = run(command + kCornell +
-                                    " 2>&1 & pid=$!; sleep 1; kill -TERM $pid; wait $pid; exit $?; :");
+        const Outcome outcome = run(
+            command + kCornell + " 2>&1 & pid=$!; sleep 1; kill -TERM $pid; wait $pid; exit $?; :");
         EXPECT_EQ(outcome.code, 130) << command << outcome.output;
         EXPECT_NE(outcome.output.find("interrupted; nothing was written\n"), std::string::npos)
             << command << outcome.output;

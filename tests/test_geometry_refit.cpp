@@ -125,9 +125,11 @@ TEST(Refit, StopsWhenAsked) {
     const AccelPtr accel = build(scene, BuildQuality::fast);
     WorkerPool pool(2);
     std::stop_source stop;
-    EXPECT_NE(refit_accel(*accel, scene.input(BuildQuality::fast), pool, stop.get_token()), nullptr);
+    EXPECT_NE(refit_accel(*accel, scene.input(BuildQuality::fast), pool, stop.get_token()),
+              nullptr);
     stop.request_stop();
-    EXPECT_EQ(refit_accel(*accel, scene.input(BuildQuality::fast), pool, stop.get_token()), nullptr);
+    EXPECT_EQ(refit_accel(*accel, scene.input(BuildQuality::fast), pool, stop.get_token()),
+              nullptr);
 }
 
 // A triangle without area comes and goes; one that the build has dropped asks for a new build.

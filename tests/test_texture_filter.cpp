@@ -91,8 +91,9 @@ Vec2d uv_by_rays(const LevelScene& s, double px, double py) {
 }
 
 // Shapes of one material, which has the chequers in that slot.
-LevelScene chequered_scene(Camera camera, TextureSlot slot,
-                           const std::function<void(SceneBuilder&, uint32_t material)>& add_shapes) {
+LevelScene chequered_scene(
+    Camera camera, TextureSlot slot,
+    const std::function<void(SceneBuilder&, uint32_t material)>& add_shapes) {
     SceneBuilder builder;
     slot.texture = add_texture(builder.desc(), kSide, black_or_white);
     Material m = SceneBuilder::diffuse(1);

@@ -221,8 +221,7 @@ std::shared_ptr<const Scene> Scene::build(SceneDesc desc, WorkerPool& pool,
         geometry->accel = build_brute_force(input);
     } else {
         if (options.previous) {
-            geometry->accel =
-                refit_accel(options.previous->accel(), input, pool, options.stop);
+            geometry->accel = refit_accel(options.previous->accel(), input, pool, options.stop);
         }
         if (!geometry->accel)
             geometry->accel = build_accel(input, pool, options.stop, options.progress);
