@@ -8,6 +8,9 @@
 #include "app/accuracy_report.h"
 #include "app/bias_record.h"
 #include "app/exit_code.h"
+#include "app/interrupt.h"
+#include "app/output_files.h"
+#include "app/sub_command.h"
 #include "core/base/log.h"
 #include "core/io/image_io.h"
 
@@ -48,30 +51,15 @@ Result<std::optional<AccuracyOptions>> parse_accuracy(std::span<const std::strin
         "...) set the base.\nCommands: talbot accuracy certify [SCENE...], talbot accuracy ab "
         "SCENE --a "
         "FLAGS --b FLAGS");
-    try {
-        app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
-    } catch (const CLI::Success& success) {
-        app.exit(success);
-        return std::optional<AccuracyOptions>();
-    } catch (const CLI::ParseError& error) {
-        std::string what = error.what();
-        std::replace(what.begin(), what.end(), '\n', ' ');
-        return usage_error("accuracy", what + "; see talbot accuracy --help");
-    }
+    const Result<bool> parsed = parse_words(app, args);
+    if (!parsed) return parsed.error();
+    if (!*parsed) return std::optional<AccuracyOptions>();
     o.rest = app.remaining();
     if (!(o.target_percent >= 0) || !std::isfinite(o.target_percent))
         return usage_error("accuracy", "--target-error must be above 0 per cent");
     if (!(o.budget_seconds > 0) || o.budget_seconds > 1e6)
         return usage_error("accuracy", "--budget must lie between 0 and 1000000 seconds");
     return std::optional<AccuracyOptions>(o);
-}
-
-Result<std::optional<Options>> parse_base(const std::vector<std::string>& words) {
-    std::vector<std::string> copies{"talbot"};
-    copies.insert(copies.end(), words.begin(), words.end());
-    std::vector<char*> argv;
-    for (std::string& word : copies) argv.push_back(word.data());
-    return parse_options(static_cast<int>(argv.size()), argv.data());
 }
 
 std::string quoted(const std::string& word) {
@@ -184,20 +172,9 @@ void print_table(const AccuracyReport& report) {
     if (!report.advice_command.empty()) std::printf("%s\n", report.advice_command.c_str());
 }
 
-Status write_text(const std::string& file, const std::string& text) {
-    return write_file_atomically(file,
-                                 {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
-}
-
 Status write_reports(const AccuracyOptions& options, const AccuracyReport& report) {
-    if (options.json == "-") {
-        std::fputs(report_json(report).c_str(), stdout);
-    } else {
-        print_table(report);
-        if (!options.json.empty()) {
-            if (Status s = write_text(options.json, report_json(report)); !s) return s;
-        }
-    }
+    if (options.json != "-") print_table(report);
+    if (Status s = write_text(options.json, report_json(report)); !s) return s;
     if (!options.csv.empty()) {
         if (Status s = write_text(options.csv, report_csv(report)); !s) return s;
     }
@@ -210,6 +187,11 @@ Status write_reports(const AccuracyOptions& options, const AccuracyReport& repor
 }
 
 Status measure(const AccuracyOptions& options, const Options& base) {
+    leave_on_interrupt();
+    if (Status s = check_output_files({options.json, options.csv, options.png, options.html},
+                                      {scene_path(base).string()});
+        !s)
+        return s;
     WorkerPool pool(base.threads);
     Result<std::vector<SweepConfig>> configs = sweep_configs(base.render, options.sweeps);
     if (!configs) return configs.error();
@@ -252,9 +234,14 @@ int run_accuracy(std::span<const std::string> args) {
     const Result<std::optional<AccuracyOptions>> options = parse_accuracy(args);
     if (!options) return fail(options.error());
     if (!*options) return kExitDone;
-    const Result<std::optional<Options>> base = parse_base((*options)->rest);
+    const Result<std::optional<Options>> base = parse_options((*options)->rest);
     if (!base) return fail(base.error());
     if (!*base) return kExitDone;
+    if ((*base)->headless() || (*base)->pixel || !(*base)->screenshot.empty() ||
+        !(*base)->interact.empty())
+        return fail(usage_error("accuracy",
+                                "says itself how long it renders and what it writes; leave out "
+                                "--frames, --time, --output and the like"));
     set_log_level((*base)->log_level);
     const Status status = measure(**options, **base);
     return status ? kExitDone : fail(status.error());

@@ -8,8 +8,11 @@
 
 #include "app/accuracy.h"
 #include "app/exit_code.h"
+#include "app/interrupt.h"
 #include "app/options.h"
+#include "app/output_files.h"
 #include "app/scene_setup.h"
+#include "app/sub_command.h"
 #include "core/base/log.h"
 #include "core/io/image_io.h"
 #include "core/session/ab_comparison.h"
@@ -39,16 +42,9 @@ Result<std::optional<AbOptions>> parse_ab(std::span<const std::string> args) {
     app.add_option("--json", o.json, "figures; - is the standard output");
     app.footer(
         "SCENE and the options of a render (--size, --camera, --sampler, ...) hold for both.");
-    try {
-        app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
-    } catch (const CLI::Success& success) {
-        app.exit(success);
-        return std::optional<AbOptions>();
-    } catch (const CLI::ParseError& error) {
-        std::string what = error.what();
-        std::replace(what.begin(), what.end(), '\n', ' ');
-        return usage_error("accuracy ab", what + "; see talbot accuracy ab --help");
-    }
+    const Result<bool> parsed = parse_words(app, args);
+    if (!parsed) return parsed.error();
+    if (!*parsed) return std::optional<AbOptions>();
     o.rest = app.remaining();
     if (!(o.budget_seconds > 0) || o.budget_seconds > 1e6)
         return usage_error("--budget", "must lie between 0 and 1000000 seconds");
@@ -69,12 +65,9 @@ std::vector<std::string> words_of(const std::string& text) {
 
 Result<std::optional<Options>> parse_side(const std::vector<std::string>& shared,
                                           const std::string& own) {
-    std::vector<std::string> copies{"talbot"};
-    copies.insert(copies.end(), shared.begin(), shared.end());
-    for (std::string& word : words_of(own)) copies.push_back(std::move(word));
-    std::vector<char*> argv;
-    for (std::string& word : copies) argv.push_back(word.data());
-    return parse_options(static_cast<int>(argv.size()), argv.data());
+    std::vector<std::string> words = shared;
+    for (std::string& word : words_of(own)) words.push_back(std::move(word));
+    return parse_options(words);
 }
 
 // A view is compared with itself: what differs must be settings.
@@ -146,18 +139,14 @@ Status write(const AbOptions& o, const Options& base, const AbSnapshot& s) {
                          {"a", side_json(s.a, o.a)},
                          {"b", side_json(s.b, o.b)},
                          {"verdict", verdict_json(s.verdict)}};
-    const std::string text = j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
-    if (o.json == "-") {
-        std::fputs(text.c_str(), stdout);
-        return Done{};
-    }
-    return write_file_atomically(o.json,
-                                 {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+    return write_text(o.json, j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
 }
 
 Status compare(const AbOptions& o, const Options& base, const Options& a, const Options& b) {
     if (Status s = check_same_view(base, a, "--a"); !s) return s;
     if (Status s = check_same_view(base, b, "--b"); !s) return s;
+    if (Status s = check_output_files({o.json}, {scene_path(base).string()}); !s) return s;
+    leave_on_interrupt();
     Result<SceneSetup> setup = [&] {
         WorkerPool pool(base.threads);
         return set_up_scene(base, pool);
@@ -174,10 +163,15 @@ Status compare(const AbOptions& o, const Options& base, const Options& a, const 
     policy.limit_seconds = o.budget_seconds;
     policy.stop_when_decided = o.until_decided;
     policy.exposure_ev = base.display.exposure_ev;
+    note_interrupts();
     AbComparison comparison;
     comparison.start(setup->scene, setup->camera, configs[0], configs[1], policy);
-    comparison.wait();
+    while (!comparison.wait(0.1)) {
+        if (is_interrupted()) comparison.stop();
+    }
     const std::shared_ptr<const AbSnapshot> last = comparison.latest();
+    if (!last && is_interrupted())
+        return Error{ErrorKind::cancelled, "", "", "interrupted before each side had a sample"};
     if (!last)
         return Error{ErrorKind::failed, base.scene_file, "",
                      "the budget was over before each side had one sample a pixel; give more "
@@ -207,7 +201,8 @@ int run_ab(std::span<const std::string> args) {
     }
     set_log_level(sides[0]->log_level);
     const Status status = compare(o, *sides[0], *sides[1], *sides[2]);
-    return status ? kExitDone : fail(status.error());
+    if (!status) return fail(status.error());
+    return is_interrupted() ? kExitInterrupted : kExitDone;
 }
 
 }  // namespace talbot

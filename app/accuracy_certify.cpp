@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
@@ -12,6 +13,9 @@
 #include "app/accuracy.h"
 #include "app/accuracy_claims.h"
 #include "app/exit_code.h"
+#include "app/interrupt.h"
+#include "app/output_files.h"
+#include "app/sub_command.h"
 #include "core/base/log.h"
 #include "core/io/image_io.h"
 #include "ui/data_path.h"
@@ -56,16 +60,9 @@ Result<std::optional<CertifyOptions>> parse_certify(std::span<const std::string>
     app.add_option("--json", o.json, "write all claims as JSON; - is the standard output");
     app.add_option("--threads", o.threads, "worker threads; default all cores");
     app.add_flag("--quick", o.quick, "4 seeds up to 64 samples of 1024 pixels: minutes");
-    try {
-        app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
-    } catch (const CLI::Success& success) {
-        app.exit(success);
-        return std::optional<CertifyOptions>();
-    } catch (const CLI::ParseError& error) {
-        std::string what = error.what();
-        std::replace(what.begin(), what.end(), '\n', ' ');
-        return usage_error("accuracy certify", what + "; see talbot accuracy certify --help");
-    }
+    const Result<bool> parsed = parse_words(app, args);
+    if (!parsed) return parsed.error();
+    if (!*parsed) return std::optional<CertifyOptions>();
     if (o.quick) {
         o.seeds = 4;
         o.to = 64;
@@ -171,13 +168,9 @@ Result<std::vector<Options>> scenes_of(const CertifyOptions& options) {
     for (std::string line; std::getline(lines, line);) {
         ++number;
         std::istringstream words(line.substr(0, line.find('#')));
-        std::vector<std::string> copies{"talbot"};
-        for (std::string word; words >> word;) copies.push_back(word);
-        if (copies.size() == 1) continue;
-        std::vector<char*> argv;
-        for (std::string& word : copies) argv.push_back(word.data());
-        const Result<std::optional<Options>> scene =
-            parse_options(static_cast<int>(argv.size()), argv.data());
+        const std::vector<std::string> given{std::istream_iterator<std::string>(words), {}};
+        if (given.empty()) continue;
+        const Result<std::optional<Options>> scene = parse_options(given);
         if (!scene)
             return Error{ErrorKind::bad_input, options.list, "line " + std::to_string(number),
                          scene.error().line()};
@@ -215,6 +208,8 @@ ordered_json stops_json(const Calibration& calibration) {
 }
 
 Status certify(const CertifyOptions& options, bool& kept) {
+    leave_on_interrupt();
+    if (Status s = check_output_files({options.json}, {options.list}); !s) return s;
     WorkerPool pool(options.threads);
     const Result<std::vector<Options>> scenes = scenes_of(options);
     if (!scenes) return scenes.error();
@@ -278,13 +273,7 @@ Status certify(const CertifyOptions& options, bool& kept) {
                          {"scenes", std::move(rows)},
                          {"all", summary_json(whole)},
                          {"broken", broken}};
-    const std::string text = j.dump(1) + "\n";
-    if (options.json == "-") {
-        std::fputs(text.c_str(), stdout);
-        return Done{};
-    }
-    return write_file_atomically(options.json,
-                                 {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+    return write_text(options.json, j.dump(1) + "\n");
 }
 
 }  // namespace

@@ -28,6 +28,17 @@ class SettingsText {
         number(key + ".y", static_cast<double>(v.y));
         if constexpr (Vec::length() > 2) number(key + ".z", static_cast<double>(v.z));
     }
+    void view(const Camera& camera) {
+        const auto& [kind, position, right, up, backward, yfov, xmag, ymag] = view_of(camera);
+        whole("camera.kind", static_cast<uint64_t>(kind));
+        vector("camera.position", position);
+        vector("camera.right", right);
+        vector("camera.up", up);
+        vector("camera.backward", backward);
+        number("camera.yfov", yfov);
+        number("camera.xmag", xmag);
+        number("camera.ymag", ymag);
+    }
     std::string take() { return std::move(text_); }
 
   private:
@@ -62,20 +73,18 @@ std::string sample_settings(const Scene& scene, const Camera& camera,
     if (settings.adaptive) text.whole("adaptive", 1);
     if (settings.forced_off != EffectSet{})
         text.word("effects_off", effect_names(settings.forced_off));
-    text.whole("camera.kind", static_cast<uint64_t>(camera.kind));
-    text.vector("camera.position", camera.position);
-    text.vector("camera.right", camera.right);
-    text.vector("camera.up", camera.up);
-    text.vector("camera.backward", camera.backward);
-    text.number("camera.yfov", camera.yfov);
-    text.number("camera.xmag", camera.xmag);
-    text.number("camera.ymag", camera.ymag);
+    text.view(camera);
     text.number("camera.aperture_radius", camera.aperture_radius);
     text.number("camera.focus_distance", camera.focus_distance);
     text.vector("camera.lens_shift", camera.lens_shift);
     const Environment& e = scene.environment();
     text.word("environment", e.image ? e.image->sha256 : "none");
     text.vector("environment.color", e.color);
+    if (e.gradient) {
+        text.vector("environment.gradient", e.gradient->axis);
+        text.vector("environment.from", e.gradient->from);
+        text.vector("environment.to", e.gradient->to);
+    }
     text.number("environment.rotation", static_cast<double>(e.rotation_degrees));
     text.number("environment.intensity", static_cast<double>(e.intensity));
     for (const PunctualLight& light : scene.punctual_lights()) {

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "app/exit_code.h"
+#include "app/output_files.h"
+#include "app/sub_command.h"
 #include "core/accuracy/metrics.h"
 #include "core/base/log.h"
 #include "core/io/film_file.h"
@@ -24,12 +26,6 @@ struct CompareOptions {
     double exposure_ev = 0;
 };
 
-bool ends_with(std::string text, std::string_view tail) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return std::string_view(text).ends_with(tail);
-}
-
 // Empty when help was printed.
 Result<std::optional<CompareOptions>> parse_compare(std::span<const std::string> args) {
     CompareOptions options;
@@ -39,19 +35,12 @@ Result<std::optional<CompareOptions>> parse_compare(std::span<const std::string>
     app.add_option("--output", options.output, "PNG of the error of every pixel in false colours");
     app.add_option("--exposure", options.exposure_ev, "exposure in EV at which errors are weighed");
     app.add_option("--json", options.json, "write the figures as JSON; - is the standard output");
-    try {
-        app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
-    } catch (const CLI::Success& success) {
-        app.exit(success);
-        return std::optional<CompareOptions>();
-    } catch (const CLI::ParseError& error) {
-        std::string what = error.what();
-        std::replace(what.begin(), what.end(), '\n', ' ');
-        return usage_error("compare", what + "; see talbot compare --help");
-    }
+    const Result<bool> parsed = parse_words(app, args);
+    if (!parsed) return parsed.error();
+    if (!*parsed) return std::optional<CompareOptions>();
     if (!std::isfinite(options.exposure_ev) || std::abs(options.exposure_ev) > 64)
         return usage_error("compare", "--exposure must lie between -64 and 64 EV");
-    if (!options.output.empty() && !ends_with(options.output, ".png"))
+    if (!options.output.empty() && extension_of(options.output) != ".png")
         return usage_error("compare", "--output must end in .png");
     return std::optional<CompareOptions>(options);
 }
@@ -104,6 +93,10 @@ void print_compared(const ImageErrors& e) {
 }
 
 Status compare(const CompareOptions& options) {
+    if (Status status =
+            check_output_files({options.output, options.json}, {options.image, options.reference});
+        !status)
+        return status;
     const Result<ImageRgba> image = load_any(options.image);
     if (!image) return image.error();
     const Result<ImageRgba> reference = load_any(options.reference);
@@ -126,17 +119,11 @@ Status compare(const CompareOptions& options) {
                                   {"Description", "relative error, black 0.1 % to white 100 %"}});
         if (!status) return status;
     }
-    const std::string text = to_json(options, *image, errors)
-                                 .dump(2, ' ', false, ordered_json::error_handler_t::replace) +
-                             "\n";
-    if (options.json == "-") {
-        std::fputs(text.c_str(), stdout);
-        return Done{};
-    }
-    print_compared(errors);
-    if (options.json.empty()) return Done{};
-    return write_file_atomically(options.json,
-                                 {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+    if (options.json != "-") print_compared(errors);
+    return write_text(options.json,
+                      to_json(options, *image, errors)
+                              .dump(2, ' ', false, ordered_json::error_handler_t::replace) +
+                          "\n");
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/exit_code.h"
+#include "app/interrupt.h"
+#include "app/progress_line.h"
 #include "app/scene_setup.h"
 #include "core/integrate/tiers.h"
 #include "core/scene/effects_off.h"
@@ -70,9 +72,10 @@ void print_text(const SceneSetup& setup, const PreparedView& view,
             std::snprintf(change, sizeof(change), "below %.2g %%", price->change.hi95);
         }
         const std::string& witness = view.effects.witness[static_cast<std::size_t>(info.effect)];
-        std::printf("%-27s %-5s %-16s %-8s %-18s %s\n", std::string(info.name).c_str(),
-                    std::string(effect_state_name(effect_state(setup.settings, info.effect))).c_str(),
-                    time, error, change, witness.empty() ? "nobody" : witness.c_str());
+        std::printf(
+            "%-27s %-5s %-16s %-8s %-18s %s\n", std::string(info.name).c_str(),
+            std::string(effect_state_name(effect_state(setup.settings, info.effect))).c_str(), time,
+            error, change, witness.empty() ? "nobody" : witness.c_str());
     }
     std::printf("kernel %s; not used: %s\n", std::string(kTiers[view.tier].name).c_str(),
                 unused.c_str());
@@ -81,6 +84,7 @@ void print_text(const SceneSetup& setup, const PreparedView& view,
 }  // namespace
 
 int run_effects(const Options& options) {
+    leave_on_interrupt();
     WorkerPool pool(options.threads);
     const Result<SceneSetup> setup = set_up_scene(options, pool);
     if (!setup) {
@@ -91,8 +95,13 @@ int run_effects(const Options& options) {
     const PreparedView view = prepare_view(setup->scene, setup->camera, setup->settings, pool);
     PricePolicy policy;
     if (options.frames) policy.samples = std::max<uint64_t>(2, *options.frames);
+    ProgressLine progress;
     const std::vector<EffectPrice> prices =
-        *price_effects(setup->scene, setup->camera, setup->settings, policy);
+        *price_effects(setup->scene, setup->camera, setup->settings, policy, {}, [&](float done) {
+            progress.show("pricing effects, " + std::to_string(static_cast<int>(100 * done)) +
+                          " %");
+        });
+    progress.wipe();
     if (options.json) {
         std::printf("%s\n", ledger_json(*setup, view, prices)
                                 .dump(2, ' ', false, ordered_json::error_handler_t::replace)

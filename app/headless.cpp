@@ -1,15 +1,15 @@
 #include "app/headless.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 
 #include "app/aov_layers.h"
 #include "app/checkpoint.h"
 #include "app/exit_code.h"
+#include "app/interrupt.h"
+#include "app/output_files.h"
+#include "app/progress_line.h"
 #include "app/run_record.h"
 #include "app/scene_setup.h"
 #include "app/viewer.h"
@@ -23,44 +23,16 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-volatile std::sig_atomic_t interrupt_signals = 0;
-
-void on_signal(int) {
-    interrupt_signals = interrupt_signals + 1;
-}
-
-// While a scene is loaded there is nothing to save yet.
-void leave_at_once(int) {
-    constexpr char kText[] = "talbot: error: interrupted while loading; nothing was written\n";
-    [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kText, sizeof(kText) - 1);
-    _exit(kExitInterrupted);
-}
-
-void catch_signals(void (*handler)(int)) {
-    struct sigaction action {};
-    action.sa_handler = handler;
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
-}
-
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-std::string extension_of(const std::string& file) {
-    std::string extension = std::filesystem::path(file).extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension;
-}
-
 Status check_image_kinds(const Options& options) {
     for (const std::string& output : options.outputs) {
-        const std::string extension = extension_of(output);
-        if (extension != ".png" && extension != ".exr" && extension != ".hdr" &&
-            extension != ".pfm") {
-            return Error{ErrorKind::usage, output, "--output",
-                         "unknown kind '" + extension + "'; use .png, .exr, .hdr or .pfm"};
+        if (!is_picture(output)) {
+            return Error{
+                ErrorKind::usage, output, "--output",
+                "unknown kind '" + extension_of(output) + "'; use .png, .exr, .hdr or .pfm"};
         }
     }
     if (!options.screenshot.empty() && extension_of(options.screenshot) != ".png")
@@ -68,39 +40,24 @@ Status check_image_kinds(const Options& options) {
     return Done{};
 }
 
-// Refuses outputs that could not be written, or would be written over each other or over the input,
-// before any work is done.
 Status check_outputs(const Options& options) {
     if (Status status = check_image_kinds(options); !status) return status;
     std::vector<std::string> files = options.outputs;
     for (const std::string& extra :
-         {options.report, options.film, options.checkpoint, options.screenshot}) {
-        if (!extra.empty()) files.push_back(extra);
-    }
-    std::vector<std::filesystem::path> taken;
-    for (const std::string& file : files) {
-        if (Status status = check_writable(file); !status) return status;
-        const std::filesystem::path whole = std::filesystem::weakly_canonical(file);
-        if (std::find(taken.begin(), taken.end(), whole) != taken.end()) {
-            return Error{ErrorKind::usage, file, "",
-                         "is named for two outputs; give each its own file"};
-        }
-        taken.push_back(whole);
-        for (const std::string& input : {options.scene_file, options.environment}) {
-            std::error_code code;
-            if (!input.empty() && std::filesystem::equivalent(file, input, code)) {
-                return Error{ErrorKind::usage, file, "",
-                             "is an input of this render; write to another file"};
-            }
-        }
-    }
-    return Done{};
+         {options.report, options.film, options.checkpoint, options.screenshot})
+        files.push_back(extra);
+    return check_output_files(files, {options.scene_file, options.environment});
 }
 
-void print_progress(const Snapshot& s, uint64_t frames) {
+// --strict gives its answer by the exit code.
+bool writes_nothing(const Options& o) {
+    return o.outputs.empty() && o.report.empty() && o.film.empty() && o.checkpoint.empty() &&
+           o.screenshot.empty() && !o.strict;
+}
+
+std::string progress_text(const Snapshot& s, uint64_t frames) {
     char text[160];
-    int used =
-        std::snprintf(text, sizeof(text), "\r%llu", static_cast<unsigned long long>(s.passes));
+    int used = std::snprintf(text, sizeof(text), "%llu", static_cast<unsigned long long>(s.passes));
     const auto append = [&](const char* format, auto... values) {
         if (used > 0 && static_cast<std::size_t>(used) < sizeof(text)) {
             used += std::snprintf(text + used, sizeof(text) - static_cast<std::size_t>(used),
@@ -114,28 +71,24 @@ void print_progress(const Snapshot& s, uint64_t frames) {
         append(", %.0f s left", s.render_seconds / static_cast<double>(s.passes) *
                                     static_cast<double>(frames - s.passes));
     }
-    std::fprintf(stderr, "%-78s", text);
-    std::fflush(stderr);
+    return text;
 }
 
 // Waits for the end of the render, or for a signal; true when interrupted.
 bool wait_for_end(RenderSession& session, uint64_t generation, const Options& options) {
-    const bool progress = isatty(STDERR_FILENO) != 0 && options.log_level >= LogLevel::info;
-    bool shown = false;
+    ProgressLine progress;
     Clock::time_point last = Clock::now();
     for (;;) {
         if (session.wait_for(generation, UINT64_MAX, 0.05)) break;
-        if (interrupt_signals > 0) break;
-        if (progress && seconds_since(last) > 0.5) {
+        if (is_interrupted()) break;
+        if (progress.is_active() && seconds_since(last) > 0.5) {
             last = Clock::now();
-            if (const auto snapshot = session.latest()) {
-                print_progress(*snapshot, options.frames.value_or(0));
-                shown = true;
-            }
+            if (const auto snapshot = session.latest())
+                progress.show(progress_text(*snapshot, options.frames.value_or(0)));
         }
     }
-    if (shown) std::fprintf(stderr, "\n");
-    return interrupt_signals > 0;
+    progress.keep();
+    return is_interrupted();
 }
 
 Metadata metadata_of(const Snapshot& s) {
@@ -150,26 +103,17 @@ Metadata metadata_of(const Snapshot& s) {
     return metadata;
 }
 
-Status write_image(const std::string& file, const Snapshot& s, const DisplaySettings& display,
-                   const std::vector<ImageLayer>& layers) {
-    const std::string extension = extension_of(file);
-    const Metadata metadata = metadata_of(s);
-    if (extension == ".exr") return save_exr(file, *s.image, layers, metadata);
-    if (extension == ".hdr") return save_hdr(file, *s.image);
-    if (extension == ".pfm") return save_pfm(file, *s.image);
-    return save_png(file, develop(*s.image, display), metadata);
-}
-
 Status write_files(const Options& options, RenderSession& session, const Snapshot& s,
                    WorkerPool& pool, std::string& film_hash) {
     std::vector<ImageLayer> layers;
     if (!options.aovs.empty()) {
-        session.with_film([&](const FilmView& view) {
-            layers = make_aov_layers(options.aovs, s, view, pool);
-        });
+        session.with_film(
+            [&](const FilmView& view) { layers = make_aov_layers(options.aovs, s, view, pool); });
     }
     for (const std::string& output : options.outputs) {
-        if (Status status = write_image(output, s, options.display, layers); !status) return status;
+        if (Status status = save_picture(output, *s.image, options.display, layers, metadata_of(s));
+            !status)
+            return status;
     }
     Status film_status = Done{};
     session.with_film([&](const FilmView& view) {
@@ -245,10 +189,7 @@ int finish(const Options& options, RenderSession& session, WorkerPool& pool, Run
     record.seconds.write = seconds_since(write_start);
     record.seconds.total += record.seconds.write;
     if (!options.report.empty()) {
-        const std::string text = run_record_json(record);
-        const std::span<const char> chars(text);
-        const auto* bytes = reinterpret_cast<const uint8_t*>(chars.data());
-        if (Status status = write_file_atomically(options.report, {bytes, chars.size()}); !status)
+        if (Status status = write_text(options.report, run_record_json(record)); !status)
             return report_error(status.error());
     }
     const NonFiniteCount& bad = record.snapshot->nonfinite;
@@ -286,7 +227,7 @@ void warn_of_bias(const std::vector<BiasEntry>& bias) {
 }
 
 int run_headless(const Options& given, Clock::time_point process_start) {
-    catch_signals(leave_at_once);
+    leave_on_interrupt();
     if (Status status = check_outputs(given); !status) return report_error(status.error());
     Options options = given;
     Result<std::optional<FilmFile>> resumed = load_resume(options);
@@ -305,8 +246,10 @@ int run_headless(const Options& given, Clock::time_point process_start) {
         record.bias = measure_bias(*setup, static_cast<double>(options.display.exposure_ev), *pool);
         warn_of_bias(record.bias);
     }
+    if (writes_nothing(options))
+        log_warning("nothing will be written; name a file with --output, --report or --film");
     RenderSession session(policy_of(options, process_start), pool);
-    catch_signals(on_signal);
+    note_interrupts();
     record.interrupted = render(session, options, *setup, std::move(*resumed));
     const std::shared_ptr<const Snapshot> snapshot = session.latest();
     if (!snapshot) {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/interaction_runner.h"
-#include "core/io/image_io.h"
+#include "app/output_files.h"
 #include "core/scene/effects_off.h"
 
 namespace talbot {
@@ -59,16 +59,6 @@ Json report_of(FrameLoop& loop, const InteractionRunner& runner, const GlContext
     return report;
 }
 
-Status write_report(const std::filesystem::path& file, const std::string& text) {
-    if (file.empty()) {
-        std::fwrite(text.data(), 1, text.size(), stdout);
-        std::fflush(stdout);
-        return Done{};
-    }
-    return write_file_atomically(
-        file, std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
-}
-
 }  // namespace
 
 Status run_interaction(const InteractionOptions& options) {
@@ -93,7 +83,7 @@ Status run_interaction(const InteractionOptions& options) {
     Result<std::unique_ptr<FrameLoop>> loop =
         FrameLoop::make(session, **context, initial_model(viewer), frame_loop_options(viewer));
     if (!loop) return loop.error();
-    InteractionRunner runner(session, **context, **loop);
+    InteractionRunner runner(**context, **loop);
     listener = &runner;
     session.on_snapshot([listener] { listener->wake(); });
     (*loop)->show(viewer.scene);
@@ -106,8 +96,8 @@ Status run_interaction(const InteractionOptions& options) {
     const Json report =
         report_of(**loop, runner, **context, session.threads(), options.script.string(), outcome);
     session.stop();
-    const Status written = write_report(
-        options.report,
+    const Status written = write_text(
+        options.report.empty() ? "-" : options.report.string(),
         report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
     if (!outcome) return outcome;
     return written;

@@ -23,8 +23,8 @@ uint32_t below(std::mt19937_64& random, std::size_t count) {
 
 }  // namespace
 
-InteractionRunner::InteractionRunner(RenderSession& session, GlContext& context, FrameLoop& loop)
-    : session_(session), context_(context), loop_(loop), next_frame_(now_seconds()) {}
+InteractionRunner::InteractionRunner(GlContext& context, FrameLoop& loop)
+    : context_(context), loop_(loop), next_frame_(now_seconds()) {}
 
 void InteractionRunner::wake() {
     {

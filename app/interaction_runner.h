@@ -27,7 +27,7 @@ struct KernelRecord {
 
 class InteractionRunner {
   public:
-    InteractionRunner(RenderSession& session, GlContext& context, FrameLoop& loop);
+    InteractionRunner(GlContext& context, FrameLoop& loop);
 
     // The error names the line of the script.
     Status run(const ScriptStep& step, const std::string& script);
@@ -61,7 +61,6 @@ class InteractionRunner {
     void random_edit(std::mt19937_64& random);
     std::string carry_out(const ScriptStep& step);
 
-    RenderSession& session_;
     GlContext& context_;
     FrameLoop& loop_;
     std::vector<IdleRecord> idle_;

@@ -1,4 +1,7 @@
 // The program: parse, choose a driver, map its outcome to the exit code.
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -6,6 +9,7 @@
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -42,14 +46,23 @@ int render_without_display(Options options, std::chrono::steady_clock::time_poin
     return code;
 }
 
+// A stream that the parent has closed would give its number to the next file that is opened, and
+// messages would go into that. Writing to what stands in for it fails.
+void occupy_standard_streams() {
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd) {
+        if (fcntl(fd, F_GETFD) == -1) open("/dev/null", O_RDONLY);
+    }
+}
+
 int run(int argc, char** argv, std::chrono::steady_clock::time_point start) {
-    const std::string command = argc > 1 ? argv[1] : "";
-    const std::vector<std::string> rest(argv + std::min(argc, 2), argv + argc);
+    const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+    const std::string command = words.empty() ? "" : words.front();
+    const std::span rest = std::span(words).subspan(words.empty() ? 0 : 1);
     if (command == "accuracy") return run_accuracy(rest);
     if (command == "compare") return run_compare(rest);
     if (command == "hardcases") return run_hardcases(rest);
     if (command == "merge") return run_merge(rest);
-    const Result<std::optional<Options>> parsed = parse_options(argc, argv);
+    const Result<std::optional<Options>> parsed = parse_options(words);
     if (!parsed) {
         log_error(parsed.error().line());
         return exit_code(parsed.error());
@@ -70,6 +83,7 @@ int run(int argc, char** argv, std::chrono::steady_clock::time_point start) {
 }  // namespace talbot
 
 int main(int argc, char** argv) {
+    talbot::occupy_standard_streams();
     const auto start = std::chrono::steady_clock::now();
     try {
         const int code = talbot::run(argc, argv, start);

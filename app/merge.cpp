@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "app/exit_code.h"
+#include "app/output_files.h"
+#include "app/sub_command.h"
 #include "core/base/log.h"
 #include "core/film/tone_map.h"
 #include "core/io/film_file.h"
@@ -39,16 +41,9 @@ Result<std::optional<MergeOptions>> parse_merge(std::span<const std::string> arg
     app.add_option("--tone-map", tone_map, "tone map of a .png");
     app.add_option("--json", options.json,
                    "write what was joined as JSON; - is the standard output");
-    try {
-        app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
-    } catch (const CLI::Success& success) {
-        app.exit(success);
-        return std::optional<MergeOptions>();
-    } catch (const CLI::ParseError& error) {
-        std::string what = error.what();
-        std::replace(what.begin(), what.end(), '\n', ' ');
-        return usage_error("merge", what + "; see talbot merge --help");
-    }
+    const Result<bool> parsed = parse_words(app, args);
+    if (!parsed) return parsed.error();
+    if (!*parsed) return std::optional<MergeOptions>();
     if (!std::isfinite(exposure_ev) || std::abs(exposure_ev) > 64)
         return usage_error("merge", "--exposure must lie between -64 and 64 EV");
     options.display.exposure_ev = static_cast<float>(exposure_ev);
@@ -80,20 +75,13 @@ Result<std::vector<Part>> load_parts(const std::vector<std::string>& files) {
 }
 
 Status write_output(const MergeOptions& options, const FilmFile& file) {
-    std::string extension = std::filesystem::path(options.output).extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    const bool picture =
-        extension == ".exr" || extension == ".hdr" || extension == ".pfm" || extension == ".png";
-    if (!picture) return save_film(options.output, file.film, file.metadata, file.error);
+    if (!is_picture(options.output))
+        return save_film(options.output, file.film, file.metadata, file.error);
     const ImageRgba image = file.film.image(file.metadata.transparent_background);
     const Metadata metadata{{"Software", "Talbot " TALBOT_VERSION},
                             {"Samples", std::to_string(file.passes())},
                             {"Seed", std::to_string(file.metadata.seed)}};
-    if (extension == ".exr") return save_exr(options.output, image, {}, metadata);
-    if (extension == ".hdr") return save_hdr(options.output, image);
-    if (extension == ".pfm") return save_pfm(options.output, image);
-    return save_png(options.output, develop(image, options.display), metadata);
+    return save_picture(options.output, image, options.display, {}, metadata);
 }
 
 ordered_json summary(const MergeOptions& options, const FilmFile& file) {
@@ -137,6 +125,9 @@ void print_merged(const ordered_json& j) {
 }
 
 Status merge(const MergeOptions& options) {
+    // The output may replace one of the films, which are read before.
+    if (Status status = check_output_files({options.output, options.json}, {}); !status)
+        return status;
     Result<std::vector<Part>> parts = load_parts(options.inputs);
     if (!parts) return parts.error();
     FilmFile whole = std::move(parts->front().film);
@@ -147,15 +138,9 @@ Status merge(const MergeOptions& options) {
     }
     if (Status status = write_output(options, whole); !status) return status;
     const ordered_json j = summary(options, whole);
-    const std::string text = j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
-    if (options.json == "-") {
-        std::fputs(text.c_str(), stdout);
-        return Done{};
-    }
-    print_merged(j);
-    if (options.json.empty()) return Done{};
-    return write_file_atomically(options.json,
-                                 {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+    if (options.json != "-") print_merged(j);
+    return write_text(options.json,
+                      j.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace

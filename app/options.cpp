@@ -9,6 +9,7 @@
 
 #include "app/exit_code.h"
 #include "app/isa_option.h"
+#include "app/sub_command.h"
 #include "core/scene/effects_off.h"
 
 namespace talbot {
@@ -186,11 +187,11 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
     app.add_option("--texture-filter", raw.texture_filter,
                    "how textures are looked up: none, or cones, which blur them by what a path "
                    "covers (biased)");
-    app.add_option("--lights", raw.lights, "how one of many lights is chosen: " +
-                                               names_of(kLightSelections));
-    app.add_option("--environment-sampling", raw.environment_sampling,
-                   "how directions into an environment image are drawn: " +
-                       names_of(kEnvironmentSamplings));
+    app.add_option("--lights", raw.lights,
+                   "how one of many lights is chosen: " + names_of(kLightSelections));
+    app.add_option(
+        "--environment-sampling", raw.environment_sampling,
+        "how directions into an environment image are drawn: " + names_of(kEnvironmentSamplings));
     app.add_option("--light-units", raw.light_units,
                    "what the file's intensities are: spec (candela, lux) or radiometric (watts, "
                    "without 683 lm/W)");
@@ -278,12 +279,17 @@ Status convert_numbers(const RawOptions& raw, Options& o) {
     if (!raw.pixel.empty()) {
         const Result<std::vector<double>> n = parse_numbers(raw.pixel, "--pixel", 2);
         if (!n) return n.error();
-        if ((*n)[0] < 0 || (*n)[1] < 0) return usage_error("--pixel", "must not be negative");
+        for (const double x : *n) {
+            if (!(x >= 0 && x <= kMaxSide && x == std::floor(x)))
+                return usage_error("--pixel", "'" + raw.pixel + "' is not two whole numbers X,Y");
+        }
         o.pixel = PixelAddress{static_cast<uint32_t>((*n)[0]), static_cast<uint32_t>((*n)[1])};
     }
     const auto positive = [](const std::optional<double>& value) {
         return !value || (std::isfinite(*value) && *value > 0);
     };
+    if (o.animation_time && !std::isfinite(*o.animation_time))
+        return usage_error("--animation-time", "must be a number of seconds");
     if (!(o.shutter_seconds >= 0) || !std::isfinite(o.shutter_seconds))
         return usage_error("--shutter", "must be a number of seconds, 0 or more");
     if (o.render.adaptive && o.shutter_seconds > 0)
@@ -340,9 +346,8 @@ Status convert(const RawOptions& raw, Options& o) {
             set_from_table(raw.filter, "--filter", kFilters, &FilterInfo::kind, o.render.filter);
         !s)
         return s;
-    if (Status s =
-            set_from_table(raw.texture_filter, "--texture-filter", kTextureFilterings,
-                           &TextureFilteringInfo::kind, o.render.texture_filter);
+    if (Status s = set_from_table(raw.texture_filter, "--texture-filter", kTextureFilterings,
+                                  &TextureFilteringInfo::kind, o.render.texture_filter);
         !s)
         return s;
     if (Status s = convert_lights(raw, o); !s) return s;
@@ -378,6 +383,13 @@ Status check_combination(const RawOptions& raw, const Options& o) {
     const bool writes = !o.outputs.empty() || !o.film.empty() || !o.checkpoint.empty() ||
                         !o.resume.empty() || !o.screenshot.empty();
     const bool ends = o.frames || o.time_seconds || o.target_error_percent;
+    if (o.json && o.command == Command::render)
+        return usage_error("--json", "goes with info and effects; use --report FILE");
+    if (o.command != Command::render &&
+        (writes || o.pixel || !o.report.empty() || !o.interact.empty()))
+        return usage_error("command line",
+                           "info and effects print and write no file; leave out "
+                           "--output and the like");
     if (o.pixel && (writes || ends || !o.report.empty() || !o.interact.empty()))
         return usage_error("--pixel",
                            "replays one sample and writes no file; leave out the others");
@@ -394,29 +406,18 @@ Status check_combination(const RawOptions& raw, const Options& o) {
 
 }  // namespace
 
-Result<std::optional<Options>> parse_options(int argc, char** argv) {
+Result<std::optional<Options>> parse_options(std::span<const std::string> words) {
     Options options;
     RawOptions raw;
     CLI::App app("Talbot: an interactive progressive path tracer for glTF scenes", "talbot");
-    int skip = 0;
-    if (argc > 1 && std::string(argv[1]) == "info") {
-        options.command = Command::info;
-        skip = 1;
-    } else if (argc > 1 && std::string(argv[1]) == "effects") {
-        options.command = Command::effects;
-        skip = 1;
+    if (!words.empty() && (words.front() == "info" || words.front() == "effects")) {
+        options.command = words.front() == "info" ? Command::info : Command::effects;
+        words = words.subspan(1);
     }
     declare(app, options, raw);
-    try {
-        app.parse(argc - skip, argv + skip);
-    } catch (const CLI::Success& success) {
-        app.exit(success);
-        return std::optional<Options>();
-    } catch (const CLI::ParseError& error) {
-        std::string what = error.what();
-        for (char& c : what) c = c == '\n' ? ' ' : c;
-        return usage_error("command line", what + "; see talbot --help");
-    }
+    const Result<bool> parsed = parse_words(app, words);
+    if (!parsed) return parsed.error();
+    if (!*parsed) return std::optional<Options>();
     // Typically a shell variable that is not set; it must not pass for "option not given".
     for (const CLI::Option* option : app.get_options()) {
         for (const std::string& value : option->results()) {

@@ -66,7 +66,7 @@ struct Options {
     }
 };
 
-// Empty when help or the version was printed.
-Result<std::optional<Options>> parse_options(int argc, char** argv);
+// The words behind the program's name; empty when help or the version was printed.
+Result<std::optional<Options>> parse_options(std::span<const std::string> words);
 
 }  // namespace talbot

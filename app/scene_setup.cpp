@@ -10,6 +10,7 @@
 #include "core/io/scene_motion.h"
 #include "core/math/robust.h"
 #include "ui/data_path.h"
+#include "ui/scene_loading.h"
 
 namespace talbot {
 namespace {
@@ -46,6 +47,39 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+LoadOptions load_options(const Options& options) {
+    LoadOptions load;
+    load.scene = options.scene_name;
+    load.variant = options.variant;
+    load.animation_time = options.animation_time;
+    load.shutter_seconds = options.shutter_seconds;
+    load.threads = options.threads;
+    load.lights = options.light_reading;
+    return load;
+}
+
+// Reads the open file and applies --environment.
+Result<SceneDesc> read_scene(GltfFile& file, const LoadOptions& load, const Options& options) {
+    Result<SceneDesc> desc = file.read(load);
+    if (!desc) return desc.error();
+    const bool dark = !has_light(desc->lights, desc->environment, desc->materials);
+    if (dark && options.environment.empty()) {
+        desc->environment = default_environment();
+        desc->warnings.push_back(
+            "the file has no light: a plain sky lights it; choose with --environment");
+    }
+    for (const std::string& warning : desc->warnings) log_warning(warning);
+    if (options.environment.empty()) {
+        desc->environment.rotation_degrees = options.environment_rotation;
+        return desc;
+    }
+    Result<Environment> environment =
+        parse_environment(options.environment, options.environment_rotation);
+    if (!environment) return environment.error();
+    desc->environment = std::move(*environment);
+    return desc;
+}
+
 }  // namespace
 
 std::filesystem::path scene_path(const Options& options) {
@@ -68,6 +102,11 @@ Result<Environment> parse_environment(const std::string& text, float rotation_de
         }
         environment.color = Rgb(color[0], color[1], color[2]);
         return environment;
+    }
+    std::error_code code;
+    if (!std::filesystem::exists(text, code)) {
+        return Error{ErrorKind::bad_input, text, "--environment",
+                     "is neither a file nor a colour R,G,B"};
     }
     Result<EnvironmentImage> image = load_environment(text);
     if (!image) return image.error();
@@ -105,49 +144,28 @@ Result<Camera> choose_camera(const Options& options, const Scene& scene) {
                           : known + " (or an index below " + std::to_string(cameras.size()) + ")")};
 }
 
-LoadOptions load_options(const Options& options) {
-    LoadOptions load;
-    load.scene = options.scene_name;
-    load.variant = options.variant;
-    load.animation_time = options.animation_time;
-    load.shutter_seconds = options.shutter_seconds;
-    if (load.shutter_seconds > 0 && !load.animation_time) load.animation_time = 0;
-    load.threads = options.threads;
-    load.lights = options.light_reading;
-    return load;
-}
-
-Result<SceneDesc> load_scene(const Options& options, std::shared_ptr<GltfFile>* kept) {
+Result<SceneDesc> load_scene(const Options& options) {
     const LoadOptions load = load_options(options);
-    Result<std::shared_ptr<GltfFile>> file = GltfFile::open(scene_path(options), load);
+    const Result<std::shared_ptr<GltfFile>> file = GltfFile::open(scene_path(options), load);
     if (!file) return file.error();
-    Result<SceneDesc> desc = (*file)->read(load);
-    if (!desc) return desc.error();
-    for (const std::string& warning : desc->warnings) log_warning(warning);
-    if (!options.environment.empty()) {
-        Result<Environment> environment =
-            parse_environment(options.environment, options.environment_rotation);
-        if (!environment) return environment.error();
-        desc->environment = std::move(*environment);
-    } else {
-        desc->environment.rotation_degrees = options.environment_rotation;
-    }
-    if (kept) *kept = std::move(*file);
-    return desc;
+    return read_scene(**file, load, options);
 }
 
 Result<SceneSetup> set_up_scene(const Options& options, WorkerPool& pool) {
     SceneSetup setup;
     const auto start = std::chrono::steady_clock::now();
-    Result<SceneDesc> desc = load_scene(options, &setup.file);
+    const LoadOptions load = load_options(options);
+    Result<std::shared_ptr<GltfFile>> file = GltfFile::open(scene_path(options), load);
+    if (!file) return file.error();
+    setup.file = std::move(*file);
+    Result<SceneDesc> desc = read_scene(*setup.file, load, options);
     if (!desc) return desc.error();
     setup.load_seconds = seconds_since(start);
     const auto build_start = std::chrono::steady_clock::now();
     SceneBuildOptions build;
     build.quality = choose_quality(options, *desc);
     setup.scene = Scene::build(std::move(*desc), pool, build);
-    Result<std::shared_ptr<const Scene>> moving =
-        set_in_motion(setup.scene, setup.file, load_options(options));
+    Result<std::shared_ptr<const Scene>> moving = set_in_motion(setup.scene, setup.file, load);
     if (!moving) return moving.error();
     setup.scene = std::move(*moving);
     setup.build_seconds = seconds_since(build_start);

@@ -24,9 +24,9 @@ struct SceneSetup {
 // The scene file that is meant: the argument, or the built-in default.
 std::filesystem::path scene_path(const Options& options);
 
-// Loads the file and applies --environment, without building anything. Reports warnings of the file
-// to the log. `kept`, where given, gets the open file, for reading it again.
-Result<SceneDesc> load_scene(const Options& options, std::shared_ptr<GltfFile>* kept = nullptr);
+// Loads the file and applies --environment, without building anything; a file without any light
+// gets the viewer's default. Reports warnings of the file to the log.
+Result<SceneDesc> load_scene(const Options& options);
 
 // --camera and --orbit, or the file's first camera, or one that frames everything.
 Result<Camera> choose_camera(const Options& options, const Scene& scene);

@@ -5,6 +5,8 @@
 
 #include "app/exit_code.h"
 #include "app/interact.h"
+#include "app/interrupt.h"
+#include "app/output_files.h"
 #include "app/scene_setup.h"
 #include "app/viewer.h"
 
@@ -37,10 +39,6 @@ Result<ViewerOptions> load_viewer(const Options& options) {
     WorkerPool pool(options.threads);
     Result<SceneSetup> setup = set_up_scene(options, pool);
     if (!setup) return setup.error();
-    const Scene& scene = *setup->scene;
-    const bool dark = !has_light(scene.punctual_lights(), scene.environment(), scene.materials());
-    if (dark && options.environment.empty())
-        setup->scene = scene.with_environment(default_environment());
     ViewerOptions viewer;
     viewer.scene = {setup->scene, setup->camera, setup->file, choice_of(options, *setup->file)};
     viewer.file = scene_path(options);
@@ -67,6 +65,9 @@ int run_window(const Options& options) {
 }
 
 int run_script(const Options& options) {
+    leave_on_interrupt();
+    if (Status status = check_output_files({options.report}, {options.interact}); !status)
+        return finish(status);
     Result<ViewerOptions> viewer = load_viewer(options);
     if (!viewer) return finish(viewer.error());
     return finish(run_interaction({std::move(*viewer), options.interact, options.report}));

@@ -22,11 +22,12 @@ struct Outcome {
     std::string output;  // of both streams
 };
 
-// `arguments` are words for a shell.
-inline Outcome run(const std::string& arguments, int seconds = 120) {
+// `arguments` are words for a shell; `before` goes before the program, `after` behind its words.
+inline Outcome run(const std::string& arguments, const std::string& before = "",
+                   const std::string& after = "", int seconds = 120) {
     const std::string command = "timeout " + std::to_string(seconds) +
-                                " env -u DISPLAY -u WAYLAND_DISPLAY '" TALBOT_BINARY "' " +
-                                arguments + " 2>&1";
+                                " env -u DISPLAY -u WAYLAND_DISPLAY " + before +
+                                " '" TALBOT_BINARY "' " + arguments + after + " 2>&1";
     FILE* pipe = popen(command.c_str(), "r");
     Outcome outcome;
     char buffer[4096];

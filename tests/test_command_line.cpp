@@ -132,6 +132,11 @@ TEST_F(CommandLine, BadInputGetsOneLineAndItsExitCode) {
     expect_refusal(path("required.gltf") + " --frames 1", 3, "EXT_unheard_of");
     expect_refusal(path("not-there.gltf") + " --frames 1", 3, "not-there.gltf");
     expect_refusal(kCornell + " --frames 1 --environment " + path("no.hdr"), 3, "no.hdr");
+    expect_refusal(kCornell + " --frames 1 --environment 1,1", 3, "neither a file nor a colour");
+    // A pipe that nobody writes to is not waited for.
+    ASSERT_EQ(mkfifo(path("pipe.glb").c_str(), 0666), 0);
+    expect_refusal(path("pipe.glb") + " --frames 1", 3, "not a regular file");
+    expect_refusal(kCornell + " --frames 1 --resume " + path("pipe.glb"), 3, "not a regular file");
 }
 
 TEST_F(CommandLine, WrongUsageIsCalledSo) {
@@ -145,11 +150,67 @@ TEST_F(CommandLine, WrongUsageIsCalledSo) {
     expect_refusal(kCornell + " --tone-map sepia", 2, "sepia");
     expect_refusal(kCornell + " --frames 1 --camera nobody", 2, "nobody");
     expect_refusal(kCornell + " --frames 1 --output picture.gif", 2, ".gif");
+    expect_refusal(kCornell + " --frames 1 --animation-time nan", 2, "--animation-time");
+    expect_refusal(kCornell + " --pixel 1.5,2", 2, "--pixel");
+    expect_refusal(kCornell + " --pixel 1e30,2", 2, "--pixel");
+    expect_refusal("accuracy ab " + kCornell + " --no-such-option 1", 2, "no-such-option");
+    expect_refusal("compare", 2, "talbot compare --help");
 }
 
 TEST_F(CommandLine, WhatCannotBeWrittenIsSaidBeforeRendering) {
     expect_refusal(kCornell + " --frames 1 --output " + path("none/x.png"), 4, "x.png");
+    expect_refusal(kCornell + " --frames 1 --output " + path(std::string(300, 'a') + ".png"), 4,
+                   "cannot write");
+    fs::create_symlink(path("loop.png"), path("loop.png"));
+    expect_refusal(kCornell + " --frames 1 --output " + path("loop.png"), 4, "cannot write");
+    fs::remove(path("loop.png"));
+    expect_refusal("accuracy " + kCornell + " --html " + path("none/x.html"), 4, "x.html");
+    expect_refusal("accuracy ab " + kCornell + " --json " + path("none/x.json"), 4, "x.json");
+    expect_refusal("accuracy certify --json " + path("none/x.json"), 4, "x.json");
     EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(CommandLine, MergeAndCompareWriteAllOrNothing) {
+    const std::string film = path("a.film");
+    ASSERT_EQ(run(kCornell + " --frames 2 --size 8x8 --film " + film).code, 0);
+    const std::string picture = path("m.pfm");
+    expect_refusal("merge " + picture + " " + film + " --json " + picture, 2, "two outputs");
+    expect_refusal("merge " + picture + " " + film + " --json " + path("none/x.json"), 4, "x.json");
+    EXPECT_FALSE(fs::exists(picture));
+    ASSERT_EQ(run("merge " + picture + " " + film).code, 0);
+    const std::string pair = "compare " + picture + " " + film;
+    expect_refusal(pair + " --json " + picture, 2, "input");
+    expect_refusal(pair + " --output " + path("d.png") + " --json " + path("none/x.json"), 4,
+                   "x.json");
+    EXPECT_FALSE(fs::exists(path("d.png")));
+    EXPECT_NE(run(pair + " --json -").output.find("\"relmse\": 0.0"), std::string::npos);
+}
+
+// What the viewer lights lest it show nothing, the picture without a window shows as well.
+TEST_F(CommandLine, AFileWithoutLightIsNoBlackPicture) {
+    write("dark.gltf",
+          R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+          R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+          R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",)"
+          R"("min":[0,0,0],"max":[1,1,0]}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
+          R"("buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)"
+          R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
+    const auto brightest = [&](const std::string& arguments, const std::string& said) {
+        const Outcome outcome = run(path("dark.gltf") + " --frames 1 --size 8x8 --output " +
+                                    path("dark.pfm") + arguments);
+        EXPECT_EQ(outcome.code, 0) << outcome.output;
+        EXPECT_EQ(outcome.output.find("no light") != std::string::npos, !said.empty())
+            << outcome.output;
+        const std::string pfm = program::read_text(path("dark.pfm"));
+        std::vector<float> values(8 * 8 * 3);
+        std::memcpy(values.data(), pfm.data() + pfm.size() - values.size() * sizeof(float),
+                    values.size() * sizeof(float));
+        return *std::max_element(values.begin(), values.end());
+    };
+    EXPECT_GT(brightest("", "no light"), 0.1f);
+    EXPECT_EQ(brightest(" --environment 0,0,0", ""), 0.0f);
+    EXPECT_NE(run(kCornell + " --frames 1 --size 8x8").output.find("nothing will be written"),
+              std::string::npos);
 }
 
 TEST_F(CommandLine, AnInterruptWritesWhatThereIsAndExits130) {
@@ -158,6 +219,30 @@ TEST_F(CommandLine, AnInterruptWritesWhatThereIsAndExits130) {
                                 " & pid=$!; sleep 1; kill -INT $pid; wait $pid; exit $?; :");
     EXPECT_EQ(outcome.code, 130) << outcome.output;
     EXPECT_GT(fs::file_size(file), 1000u);
+    // The end of the terminal, unless it is to be outlived.
+    const std::string endless = kCornell + " --frames 1000000 --size 64x64 --output ";
+    const std::string closed = path("h.exr");
+    EXPECT_EQ(
+        run(endless + closed + " & pid=$!; sleep 1; kill -HUP $pid; wait $pid; exit $?; :").code,
+        130);
+    EXPECT_GT(fs::file_size(closed), 1000u);
+    const Outcome kept = run(kCornell + " --time 2 --size 64x64 --output " + path("n.exr"), "nohup",
+                             " & pid=$!; sleep 1; kill -HUP $pid; wait $pid; exit $?; :");
+    EXPECT_EQ(kept.code, 0) << kept.output;
+}
+
+TEST_F(CommandLine, WhatHasNothingToSaveSaysSoWhenInterrupted) {
+    for (const char* command : {"accuracy ", "effects ", "accuracy certify "}) {
+        const Outcome outcome = run(
+            command + kCornell + " 2>&1 & pid=$!; sleep 1; kill -TERM $pid; wait $pid; exit $?; :");
+        EXPECT_EQ(outcome.code, 130) << command << outcome.output;
+        EXPECT_NE(outcome.output.find("interrupted; nothing was written\n"), std::string::npos)
+            << command << outcome.output;
+    }
+    const Outcome race = run("accuracy ab " + kCornell + " --size 16x16 --b '--max-depth 2'" +
+                             " & pid=$!; sleep 2; kill -INT $pid; wait $pid; exit $?; :");
+    EXPECT_EQ(race.code, 130) << race.output;
+    EXPECT_EQ(std::count(race.output.begin(), race.output.end(), '\n'), 3) << race.output;
 }
 
 TEST_F(CommandLine, ReplayOfASampleEndsInTheFilmsOwnNumber) {
@@ -217,6 +302,11 @@ TEST_F(CommandLine, OptionsThatWouldBeIgnoredAreRefused) {
     expect_refusal(small + "--interact i.jsonl --film " + path("f"), 2, "--interact");
     expect_refusal(small + "--orbit 0,0,0,0,90,5,40 --camera 0 --frames 1", 2, "--orbit");
     expect_refusal(small + "--frames 1 --screenshot " + path("s.jpg"), 2, "--screenshot");
+    expect_refusal(small + "--frames 1 --json", 2, "--json");
+    expect_refusal("info " + small + "--output " + path("x.png"), 2, "--output");
+    expect_refusal("effects " + small + "--report " + path("x.json"), 2, "--output");
+    expect_refusal("accuracy " + small + "--output " + path("x.png"), 2, "--output");
+    expect_refusal("hardcases --seed -1", 2, "--seed");
 }
 
 TEST_F(CommandLine, LostStandardOutputIsAFailure) {
@@ -224,6 +314,15 @@ TEST_F(CommandLine, LostStandardOutputIsAFailure) {
     const std::string command = std::string("timeout 60 '") + TALBOT_BINARY + "' info " + kCornell;
     EXPECT_EQ(WEXITSTATUS(std::system((command + " > /dev/full 2>&1").c_str())), 4);
     EXPECT_EQ(WEXITSTATUS(std::system((command + " > /dev/null 2>&1").c_str())), 0);
+}
+
+// No file gets the number of a stream that is closed, and with it the messages.
+TEST_F(CommandLine, ClosedStreamsSpoilNoFile) {
+    const std::string render = kCornell + " --frames 1 --size 16x16 --output ";
+    ASSERT_EQ(run(render + path("open.exr")).code, 0);
+    EXPECT_EQ(run(render + path("closed.exr") + " <&- >&- 2>&-; exit $?; :").code, 0);
+    EXPECT_EQ(program::read_text(path("closed.exr")), program::read_text(path("open.exr")));
+    EXPECT_EQ(run("info " + kCornell + " >&- 2>&-; exit $?; :").code, 4);
 }
 
 // A name from a stranger cannot forge lines or reach the terminal raw.

@@ -177,6 +177,18 @@ TEST(Refit, RefusesOtherTopologyAndBadTrees) {
     EXPECT_EQ(refit_accel(*accel, other.input(), pool), nullptr);
 }
 
+TEST(Refit, StopsWhenAsked) {
+    const SceneData scene = mixed();
+    const AccelPtr accel = build(scene, BuildQuality::fast);
+    WorkerPool pool(2);
+    std::stop_source stop;
+    EXPECT_NE(refit_accel(*accel, scene.input(BuildQuality::fast), pool, stop.get_token()),
+              nullptr);
+    stop.request_stop();
+    EXPECT_EQ(refit_accel(*accel, scene.input(BuildQuality::fast), pool, stop.get_token()),
+              nullptr);
+}
+
 // A triangle without area comes and goes; one that the build has dropped asks for a new build.
 TEST(Refit, TrianglesThatNothingCanMeet) {
     SceneData scene = scene_of(soup(200, 0.3f, 9));

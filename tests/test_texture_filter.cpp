@@ -90,12 +90,20 @@ Vec2d uv_by_rays(const LevelScene& s, double px, double py) {
     return Vec2d(s.slot.apply(uv));
 }
 
-// A floor of 100 m by 100 m; what is used twice and large is placed through a second level.
-LevelScene floor_scene(Camera camera, TextureSlot slot, const Mat4d& placed, bool twice) {
+// Shapes of one material, which has the chequers in that slot.
+LevelScene chequered_scene(
+    Camera camera, TextureSlot slot,
+    const std::function<void(SceneBuilder&, uint32_t material)>& add_shapes) {
     SceneBuilder builder;
     slot.texture = add_texture(builder.desc(), kSide, black_or_white);
     Material m = SceneBuilder::diffuse(1);
     m.base_color_texture = slot;
+    add_shapes(builder, builder.material(m));
+    return {builder.build(workers()), std::move(camera), slot};
+}
+
+// A floor of 100 m by 100 m; what is used twice and large is placed through a second level.
+LevelScene floor_scene(Camera camera, TextureSlot slot, const Mat4d& placed, bool twice) {
     Mesh mesh = SceneBuilder::quad(Vec3f(-50, 0, 50), Vec3f(100, 0, 0), Vec3f(0, 0, -100));
     mesh.uv[0] = {Vec2f(0, 0), Vec2f(40, 0), Vec2f(40, 25), Vec2f(0, 25)};
     mesh.uv[1] = {Vec2f(0, 0), Vec2f(3, 0), Vec2f(3, 90), Vec2f(0, 90)};
@@ -108,9 +116,10 @@ LevelScene floor_scene(Camera camera, TextureSlot slot, const Mat4d& placed, boo
             p = Vec3f(100 * p.x, 0, -100 * p.y);
         }
     }
-    builder.mesh(mesh, builder.material(m), placed);
-    if (twice) builder.instance(0, glm::translate(Mat4d(1.0), Vec3d(0, -60, 0)));
-    return {builder.build(workers()), std::move(camera), slot};
+    return chequered_scene(std::move(camera), slot, [&](SceneBuilder& builder, uint32_t material) {
+        builder.mesh(mesh, material, placed);
+        if (twice) builder.instance(0, glm::translate(Mat4d(1.0), Vec3d(0, -60, 0)));
+    });
 }
 
 // The largest deviation over the image of a scene's levels from measured ones.
@@ -186,14 +195,9 @@ TEST(TextureLevel, OfPlacedTransformedAndSecondCoordinates) {
 }
 
 TEST(TextureLevel, OfASphere) {
-    SceneBuilder builder;
-    LevelScene s;
-    s.slot.texture = add_texture(builder.desc(), kSide, black_or_white);
-    Material m = SceneBuilder::diffuse(1);
-    m.base_color_texture = s.slot;
-    builder.sphere(Vec3d(0, 0, 0), 2.5, builder.material(m));
-    s.scene = builder.build(workers());
-    s.camera = camera_at(Vec3d(-3, 2, 6), Vec3d(0), 0.6);
+    const LevelScene s = chequered_scene(
+        camera_at(Vec3d(-3, 2, 6), Vec3d(0), 0.6), {},
+        [](SceneBuilder& builder, uint32_t material) { builder.sphere(Vec3d(0), 2.5, material); });
     int pixels = 0;
     EXPECT_LT(worst_level(
                   s, [&](double x, double y) { return uv_by_rays(s, x, y); }, pixels),
@@ -202,15 +206,11 @@ TEST(TextureLevel, OfASphere) {
 }
 
 TEST(TextureLevel, WhereThereAreNoCoordinatesNothingIsFiltered) {
-    SceneBuilder builder;
-    LevelScene s;
-    s.slot.texture = add_texture(builder.desc(), kSide, black_or_white);
-    Material m = SceneBuilder::diffuse(1);
-    m.base_color_texture = s.slot;
-    builder.mesh(SceneBuilder::quad(Vec3f(-1, -1, 0), Vec3f(2, 0, 0), Vec3f(0, 2, 0)),
-                 builder.material(m));
-    s.scene = builder.build(workers());
-    s.camera = camera_at(Vec3d(0, 0, 3), Vec3d(0));
+    const LevelScene s = chequered_scene(
+        camera_at(Vec3d(0, 0, 3), Vec3d(0)), {}, [](SceneBuilder& builder, uint32_t material) {
+            builder.mesh(SceneBuilder::quad(Vec3f(-1, -1, 0), Vec3f(2, 0, 0), Vec3f(0, 2, 0)),
+                         material);
+        });
     const RenderScene rs(s.scene, nullptr, {}, {},
                          make_texture_pyramids(*s.scene, workers(), nullptr));
     const std::optional<double> level = level_at(s, rs, kWidth / 2, kHeight / 2);

@@ -86,7 +86,6 @@ Result<RereadScene> reread_scene(const std::shared_ptr<GltfFile>& file, const Sc
         options.variant = choices.variants[*choice.variant];
     options.animation_time = choice.seconds;
     options.shutter_seconds = choice.shutter;
-    if (choice.shutter > 0 && !choice.seconds) options.animation_time = 0;
     Result<SceneDesc> desc = file->read(options);
     if (!desc) return desc.error();
     desc->environment = environment;

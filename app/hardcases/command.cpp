@@ -1,20 +1,22 @@
 #include "app/hardcases/command.h"
 
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
 
 #include "app/exit_code.h"
-#include "app/hardcases/interrupt.h"
 #include "app/hardcases/report.h"
 #include "app/hardcases/selection.h"
 #include "app/hardcases/stress.h"
 #include "app/hardcases/twin.h"
+#include "app/interrupt.h"
 #include "app/isa_option.h"
+#include "app/output_files.h"
+#include "app/progress_line.h"
+#include "app/sub_command.h"
 #include "core/base/log.h"
 #include "core/io/image_io.h"
 
@@ -54,7 +56,8 @@ Result<std::optional<HardcasesOptions>> parse(std::span<const std::string> args)
     app.add_option("--html", o.html, "page with pictures and curves, in one file");
     app.add_option("--threads", o.settings.threads, "of the workers (all cores)")
         ->check(CLI::Range(0u, 1024u));
-    app.add_option("--seed", o.settings.seed, "of the cases' random numbers (0)");
+    app.add_option("--seed", o.settings.seed, "of the cases' random numbers (0)")
+        ->check(CLI::NonNegativeNumber);
     add_isa_option(app);
     app.add_option(
         "--scene", o.scene,
@@ -68,16 +71,9 @@ Result<std::optional<HardcasesOptions>> parse(std::span<const std::string> args)
                    "folder for the scenes of image cases, as glTF for other renderers");
     app.allow_extras();
     app.footer("Exit code 1 when a P0 row fails or is blind.");
-    try {
-        app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
-    } catch (const CLI::Success& success) {
-        app.exit(success);
-        return std::optional<HardcasesOptions>();
-    } catch (const CLI::ParseError& error) {
-        std::string what = error.what();
-        std::replace(what.begin(), what.end(), '\n', ' ');
-        return usage(what + "; see talbot hardcases --help");
-    }
+    const Result<bool> parsed = parse_words(app, args);
+    if (!parsed) return parsed.error();
+    if (!*parsed) return std::optional<HardcasesOptions>();
     o.rest = app.remaining();
     if (o.scene_file().empty() && !o.rest.empty())
         return usage("'" + o.rest.front() + "' is not known; see talbot hardcases --help");
@@ -86,26 +82,14 @@ Result<std::optional<HardcasesOptions>> parse(std::span<const std::string> args)
         return usage("--scene and --twin go with none of --only, --html and --save-scenes");
     if (!o.difference.empty() && o.twin.empty()) return usage("--difference belongs to --twin");
     if (full) o.effort = Effort::full;
-    if (!o.json.empty() && o.json == o.html)
-        return usage("--json and --html name one file; give each its own");
-    for (const std::string& file : {o.json, o.html, o.difference}) {
-        if (file.empty() || file == "-") continue;
-        if (Status status = check_writable(file); !status) return status.error();
-    }
+    if (Status status = check_output_files({o.json, o.html, o.difference}, {o.scene_file()});
+        !status)
+        return status.error();
     return std::optional<HardcasesOptions>(o);
 }
 
-Status write_text(const std::string& file, const std::string& text) {
-    return write_file_atomically(file,
-                                 {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
-}
-
 Status write_reports(const HardcasesOptions& options, const CaseReport& report) {
-    if (options.json == "-") {
-        std::fputs(cases_json(report).c_str(), stdout);
-    } else if (!options.json.empty()) {
-        if (Status s = write_text(options.json, cases_json(report)); !s) return s;
-    }
+    if (Status s = write_text(options.json, cases_json(report)); !s) return s;
     if (!options.scenes.empty()) {
         if (Status s = save_scenes(options.scenes, report); !s) return s;
     }
@@ -114,37 +98,11 @@ Status write_reports(const HardcasesOptions& options, const CaseReport& report) 
     return html ? write_text(options.html, *html) : Status(html.error());
 }
 
-// One line on a terminal, wiped before a row is printed.
-class ProgressLine {
-  public:
-    explicit ProgressLine(std::size_t count)
-        : count_(count), active_(isatty(STDERR_FILENO) != 0 && log_level() >= LogLevel::info) {}
-
-    void show(std::size_t index, const HardCase& row, double seconds) {
-        if (!active_) return;
-        std::fprintf(stderr, "\r\033[K%zu/%zu %s %s, %.0f s", index + 1, count_, row.id.c_str(),
-                     row.title.c_str(), seconds);
-        std::fflush(stderr);
-    }
-    void wipe() {
-        if (!active_) return;
-        std::fputs("\r\033[K", stderr);
-        std::fflush(stderr);
-    }
-
-  private:
-    std::size_t count_;
-    bool active_;
-};
-
 // The words of stress and twin mode that a render knows, too.
 Result<Options> render_options(const HardcasesOptions& options) {
-    std::vector<std::string> words{"talbot", options.scene_file()};
+    std::vector<std::string> words{options.scene_file()};
     words.insert(words.end(), options.rest.begin(), options.rest.end());
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    Result<std::optional<Options>> parsed =
-        parse_options(static_cast<int>(argv.size()), argv.data());
+    Result<std::optional<Options>> parsed = parse_options(words);
     if (!parsed) return parsed.error();
     if (!*parsed) return usage("see talbot hardcases --help");
     Options render = std::move(**parsed);
@@ -161,7 +119,7 @@ Result<int> stress(const HardcasesOptions& options) {
     set_log_level(render->log_level);
     std::FILE* table = options.json == "-" ? nullptr : stdout;
     if (table) print_stress_columns(table);
-    catch_interrupts();
+    note_interrupts();
     const Result<StressReport> report =
         run_stress(*render, options.effort, [table](const StressRow& row) {
             if (!table) return;
@@ -170,11 +128,7 @@ Result<int> stress(const HardcasesOptions& options) {
         });
     if (!report) return report.error();
     if (table) print_stress_footer(*report, table);
-    if (options.json == "-") {
-        std::fputs(stress_json(*report).c_str(), stdout);
-    } else if (!options.json.empty()) {
-        if (Status s = write_text(options.json, stress_json(*report)); !s) return s.error();
-    }
+    if (Status s = write_text(options.json, stress_json(*report)); !s) return s.error();
     if (report->interrupted) return kExitInterrupted;
     return report->kept() ? kExitDone : kExitFailed;
 }
@@ -183,17 +137,11 @@ Result<int> twins(const HardcasesOptions& options) {
     const Result<Options> render = render_options(options);
     if (!render) return render.error();
     set_log_level(render->log_level);
-    catch_interrupts();
+    note_interrupts();
     const Result<TwinReport> report = run_twin(*render);
     if (!report) return report.error();
-    if (options.json == "-") {
-        std::fputs(twin_json(*report).c_str(), stdout);
-    } else {
-        print_twin(*report, stdout);
-        if (!options.json.empty()) {
-            if (Status s = write_text(options.json, twin_json(*report)); !s) return s.error();
-        }
-    }
+    if (options.json != "-") print_twin(*report, stdout);
+    if (Status s = write_text(options.json, twin_json(*report)); !s) return s.error();
     if (!options.difference.empty()) {
         if (Status s = save_exr(options.difference, twin_difference(report->comparison)); !s)
             return s.error();
@@ -219,17 +167,21 @@ Result<int> run(const HardcasesOptions& options) {
         print_columns(title_width, table);
         std::fflush(table);
     }
-    ProgressLine progress(selection->cases.size());
+    ProgressLine progress;
     CaseWatch watch;
     watch.interrupted = is_interrupted;
-    watch.waiting = [&](std::size_t i, const HardCase& row, double s) { progress.show(i, row, s); };
+    watch.waiting = [&](std::size_t i, const HardCase& row, double seconds) {
+        progress.show(std::to_string(i + 1) + "/" + std::to_string(selection->cases.size()) + " " +
+                      row.id + " " + row.title + ", " + std::to_string(std::lround(seconds)) +
+                      " s");
+    };
     watch.done = [&](const CaseRow& row) {
         progress.wipe();
         if (!table) return;
         print_row(row, title_width, table);
         std::fflush(table);
     };
-    catch_interrupts();
+    note_interrupts();
     report.outcome = run_cases(selection->cases, options.effort, watch);
     progress.wipe();
     if (table) print_footer(report, table);

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "app/hardcases/interrupt.h"
+#include "app/interrupt.h"
 #include "app/scene_setup.h"
 #include "core/accuracy/metrics.h"
 #include "core/integrate/object_ids.h"

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/exit_code.h"
-#include "app/hardcases/interrupt.h"
 #include "app/hardcases/report.h"
+#include "app/interrupt.h"
 #include "app/scene_setup.h"
 
 namespace talbot::hardcases {
@@ -106,7 +106,7 @@ std::string twin_json(const TwinReport& report) {
                          {"worst", std::move(worst)},
                          {"seconds", report.seconds},
                          {"interrupted", report.interrupted},
-                         {"kept", broken.empty()},
+                         {"kept", broken.empty() && c.samples > 0},
                          {"why", broken}};
     return j.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
@@ -143,8 +143,11 @@ void print_twin(const TwinReport& report, std::FILE* out) {
             twin::kPartingNames[static_cast<std::size_t>(s.why)].data(), s.vertex + 1, s.change);
     }
     const std::string broken = broken_twin(c);
-    std::fprintf(out, "%s; %.1f s\n", broken.empty() ? "KEPT" : ("BROKEN: " + broken).c_str(),
-                 report.seconds);
+    const std::string verdict = c.samples == 0    ? "no samples"
+                                : !broken.empty() ? "BROKEN: " + broken
+                                                  : "KEPT";
+    std::fprintf(out, "%s; %.1f s%s\n", verdict.c_str(), report.seconds,
+                 report.interrupted ? " (interrupted)" : "");
 }
 
 }  // namespace talbot::hardcases

@@ -96,12 +96,7 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& po
         first_numbers[i] = scene.merged.number({index, 0});
         stats.dropped_triangles += add_triangles(mesh, index, first_numbers[i], primitives);
     }
-    double reach = 0;
-    for (const BuildPrimitive& p : primitives) {
-        reach =
-            std::max<double>(reach, max_component(glm::max(glm::abs(p.lower), glm::abs(p.upper))));
-    }
-    for (const BuildPrimitive& box : object_boxes(input, scene, reach)) {
+    for (const BuildPrimitive& box : object_boxes(input, scene)) {
         if (box.lower.x <= box.upper.x) primitives.push_back(box);
     }
     const auto load = [&](const BuildPrimitive& p) {

@@ -119,9 +119,10 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& po
 // The structure that `previous` becomes when vertices, transforms or spheres have moved: its trees
 // keep their shape and get new boxes, at a small part of a build's cost. Null when `input` has not
 // the same meshes and instances, when triangles came up that `previous` had dropped, when triangles
-// are cut in it, or when its boxes would overlap so much that a build is the better choice.
+// are cut in it, when its boxes would overlap so much that a build is the better choice, or when
+// stop was requested.
 std::unique_ptr<const Accel> refit_accel(const Accel& previous, const AccelInput& input,
-                                         WorkerPool& pool);
+                                         WorkerPool& pool, std::stop_token stop = {});
 
 // The same interface without any acceleration structure, as the oracle of tests and the "BVH off"
 // switch.

@@ -58,11 +58,13 @@ class Refit {
   public:
     // `merged` and `objects` are for the top tree.
     Refit(const AccelInput& input, const TriangleNumbers* merged,
-          const std::vector<BuildPrimitive>* objects)
-        : input_(input), merged_(merged), objects_(objects) {}
+          const std::vector<BuildPrimitive>* objects, const std::stop_token& stop)
+        : input_(input), merged_(merged), objects_(objects), stop_(stop) {}
 
-    // False when the tree has become too bad. `mesh` is that of all triangles, or kNoId.
+    // False when stopped, or when the tree has become too bad. `mesh` is that of all triangles, or
+    // kNoId.
     bool run(Tree& tree, uint32_t mesh, WorkerPool& pool) {
+        if (stop_.stop_requested()) return false;
         if (tree.is_empty) return true;
         if (tree.built_cost == 0) tree.built_cost = tree_cost(tree);
         mesh_ = mesh;
@@ -73,10 +75,12 @@ class Refit {
         } else {
             const uint64_t tasks = (tree.nodes.size() + kNodesPerTask - 1) / kNodesPerTask;
             pool.parallel_for(tasks, [&](uint64_t task, unsigned) {
+                if (stop_.stop_requested()) return;
                 const uint64_t begin = task * kNodesPerTask;
                 const uint64_t end = std::min<uint64_t>(tree.nodes.size(), begin + kNodesPerTask);
                 for (uint64_t n = begin; n < end; ++n) set_leaves(tree, tree.nodes[n]);
             });
+            if (stop_.stop_requested()) return false;
             std::vector<Box> boxes(tree.nodes.size());
             for (size_t n = tree.nodes.size(); n-- > 0;) {
                 WideNode& node = tree.nodes[n];
@@ -148,6 +152,7 @@ class Refit {
     const AccelInput& input_;
     const TriangleNumbers* merged_;
     const std::vector<BuildPrimitive>* objects_;
+    const std::stop_token& stop_;
     uint32_t mesh_ = kNoId;
     std::atomic<uint64_t> hittable_{0};
 };
@@ -180,22 +185,10 @@ bool is_complete(const AccelMesh& mesh, uint64_t stored, uint64_t found) {
     return stored == mesh.indices.size() / 3 || found == count_hittable(mesh);
 }
 
-double largest_coordinate(const AccelInput& input) {
-    double reach = 0;
-    for (const AccelInstance& instance : input.instances) {
-        if (!instance.identity) continue;
-        for (const Vec3f& p : input.meshes[instance.mesh].positions) {
-            const float size = max_component(glm::abs(p));
-            if (size <= kMaxCoordinate) reach = std::max<double>(reach, size);
-        }
-    }
-    return reach;
-}
-
 }  // namespace
 
 std::unique_ptr<const Accel> refit_accel(const Accel& previous, const AccelInput& input,
-                                         WorkerPool& pool) {
+                                         WorkerPool& pool, std::stop_token stop) {
     const auto start = std::chrono::steady_clock::now();
     const auto* old = dynamic_cast<const BvhAccel*>(&previous);
     if (old == nullptr || !has_same_parts(*old, input)) return nullptr;
@@ -209,7 +202,7 @@ std::unique_ptr<const Accel> refit_accel(const Accel& previous, const AccelInput
 
     uint64_t total = 0;
     uint64_t found = 0;
-    Refit of_meshes(input, nullptr, nullptr);
+    Refit of_meshes(input, nullptr, nullptr, stop);
     size_t next_tree = 0;
     for (const uint32_t mesh : shared_meshes(input)) {
         Tree& tree = scene.trees[next_tree++];
@@ -219,9 +212,8 @@ std::unique_ptr<const Accel> refit_accel(const Accel& previous, const AccelInput
         total += input.meshes[mesh].indices.size() / 3;
         found += hittable;
     }
-    const std::vector<BuildPrimitive> boxes =
-        object_boxes(input, scene, scene.objects.empty() ? 0 : largest_coordinate(input));
-    Refit of_top(input, &scene.merged, &boxes);
+    const std::vector<BuildPrimitive> boxes = object_boxes(input, scene);
+    Refit of_top(input, &scene.merged, &boxes, stop);
     if (!of_top.run(scene.top, kNoId, pool)) return nullptr;
     uint64_t in_top = 0;
     uint64_t expected = 0;

@@ -38,12 +38,26 @@ BuildPrimitive instance_primitive(const Mat4d& world_from_object, const Bounds& 
     return object_primitive(lower - pad, upper + pad, index);
 }
 
+// Of the triangles beside the objects, which share their rays.
+double largest_coordinate(const AccelInput& input) {
+    double reach = 0;
+    for (const AccelInstance& instance : input.instances) {
+        if (!instance.identity) continue;
+        for (const Vec3f& p : input.meshes[instance.mesh].positions) {
+            const float size = max_component(glm::abs(p));
+            if (size <= kMaxCoordinate) reach = std::max<double>(reach, size);
+        }
+    }
+    return reach;
+}
+
 }  // namespace
 
-std::vector<BuildPrimitive> object_boxes(const AccelInput& input, const BvhScene& scene,
-                                         double reach) {
+std::vector<BuildPrimitive> object_boxes(const AccelInput& input, const BvhScene& scene) {
     std::vector<BuildPrimitive> boxes;
+    if (scene.objects.empty()) return boxes;
     boxes.reserve(scene.objects.size());
+    const double reach = largest_coordinate(input);
     for (size_t i = 0; i < scene.objects.size(); ++i) {
         const SceneObject& object = scene.objects[i];
         if (object.is_sphere) {

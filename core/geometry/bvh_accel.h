@@ -38,9 +38,7 @@ class BvhAccel final : public Accel {
 };
 
 // A box round each object of the scene, whose trees must be there; empty where nothing can be hit.
-// reach is the largest coordinate of the triangles beside the objects.
-std::vector<BuildPrimitive> object_boxes(const AccelInput& input, const BvhScene& scene,
-                                         double reach);
+std::vector<BuildPrimitive> object_boxes(const AccelInput& input, const BvhScene& scene);
 
 // Sets all but the trees, the objects and the number of dropped triangles.
 void complete(const AccelInput& input, BvhAccel& accel);

@@ -20,9 +20,12 @@ Error cannot_read(const std::filesystem::path& file, const std::string& why) {
     return {ErrorKind::bad_input, file.string(), "", why};
 }
 
+Error cannot_write(const std::filesystem::path& file, const std::string& why) {
+    return {ErrorKind::cannot_write, file.string(), "", "cannot write: " + why};
+}
+
 Error cannot_write(const std::filesystem::path& file) {
-    return {ErrorKind::cannot_write, file.string(), "",
-            std::string("cannot write: ") + std::strerror(errno)};
+    return cannot_write(file, std::strerror(errno));
 }
 
 class FileDescriptor {
@@ -49,9 +52,15 @@ class FileDescriptor {
 Result<std::filesystem::path> write_target(const std::filesystem::path& file) {
     std::error_code code;
     std::filesystem::path target = file;
-    if (std::filesystem::is_symlink(file, code)) target = std::filesystem::weakly_canonical(file);
+    if (std::filesystem::is_symlink(file, code)) {
+        target = std::filesystem::weakly_canonical(file, code);
+        if (code) return cannot_write(file, code.message());
+    }
     struct stat about {};
-    if (::stat(target.c_str(), &about) != 0) return target;
+    if (::stat(target.c_str(), &about) != 0) {
+        if (errno != ENOENT && errno != ENOTDIR) return cannot_write(file);
+        return target;
+    }
     if (!S_ISREG(about.st_mode))
         return Error{ErrorKind::cannot_write, file.string(), "", "is not a regular file"};
     if (::access(target.c_str(), W_OK) != 0) return cannot_write(file);
@@ -71,7 +80,8 @@ bool write_all(int fd, std::span<const uint8_t> bytes) {
 }  // namespace
 
 Result<std::vector<uint8_t>> read_file(const std::filesystem::path& file, uint64_t max_bytes) {
-    FileDescriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+    // A pipe without a writer must not be waited for: it is refused below.
+    FileDescriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     if (in.get() < 0) return cannot_read(file, std::string("cannot open: ") + std::strerror(errno));
     struct stat about {};
     if (::fstat(in.get(), &about) != 0)

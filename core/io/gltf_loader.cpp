@@ -117,7 +117,7 @@ class GltfLoader {
         std::snprintf(text, sizeof text, "scene=%lld,variant=%lld,time=%a,shutter=%a",
                       scene ? static_cast<long long>(*scene) : -1LL,
                       variant_ ? static_cast<long long>(*variant_) : -1LL,
-                      options.animation_time.value_or(-1), options.shutter_seconds);
+                      options.moment().value_or(-1), options.shutter_seconds);
         return text;
     }
 
@@ -368,7 +368,7 @@ Result<SceneDesc> GltfFile::read(const LoadOptions& options) {
     if (state_->broken) return *state_->broken;
     if (options.stop.stop_requested()) return was_cancelled(file);
     try {
-        const Status moved = gltf::set_animation_time(state_->document, options.animation_time);
+        const Status moved = gltf::set_animation_time(state_->document, options.moment());
         if (!moved) {
             state_->broken = moved.error();
             return moved.error();

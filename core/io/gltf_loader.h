@@ -31,6 +31,13 @@ struct LoadOptions {
     unsigned threads = 0;                  // for decoding images; 0 = all cores
     std::stop_token stop;
     std::function<void(float fraction, const char* stage)> progress;  // called from the loading thread
+
+    // The second of the animations that is read, and at which the shutter opens: one without an animation time opens at 0.
+    // Empty is the rest pose.
+    std::optional<double> moment() const {
+        if (animation_time || !(shutter_seconds > 0)) return animation_time;
+        return 0.0;
+    }
 };
 
 struct GltfAnimation {

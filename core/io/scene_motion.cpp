@@ -10,7 +10,7 @@ Result<std::shared_ptr<const Scene>> set_in_motion(std::shared_ptr<const Scene> 
                                                    std::shared_ptr<GltfFile> file,
                                                    const LoadOptions& options) {
     if (!(options.shutter_seconds > 0)) return scene;
-    const double open = options.animation_time.value_or(0);
+    const double open = *options.moment();
     Result<std::string> witness = file->moving_property(open, open + options.shutter_seconds);
     if (!witness) return witness.error();
     if (witness->empty()) return scene;

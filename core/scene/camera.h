@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <tuple>
 
 #include "core/geometry/accel.h"
 #include "core/math/ray.h"
@@ -40,6 +41,13 @@ struct Camera {
 
     Vec3d forward() const { return -backward; }
 };
+
+// Place and window of a camera, which animations move: to be compared, assigned or taken apart whole.
+template <typename AnyCamera>
+auto view_of(AnyCamera& camera) {
+    return std::tie(camera.kind, camera.position, camera.right, camera.up, camera.backward, camera.yfov, camera.xmag,
+                    camera.ymag);
+}
 
 // A camera at target + radius (sin phi sin theta, cos phi, sin phi cos theta), looking at the target, +Y up; at the poles the
 // up vector falls back to the heading given by theta. Angles and fov in degrees.

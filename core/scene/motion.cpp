@@ -3,16 +3,6 @@
 #include "core/scene/scene.h"
 
 namespace talbot {
-namespace {
-
-// Lens and image size may be the user's.
-bool same_view(const Camera& a, const Camera& b) {
-    return a.kind == b.kind && a.position == b.position && a.right == b.right && a.up == b.up &&
-           a.backward == b.backward && a.yfov == b.yfov && a.xmag == b.xmag && a.ymag == b.ymag;
-}
-
-}  // namespace
-
 std::shared_ptr<const Scene> scene_at(const Scene& moving, double seconds, WorkerPool& pool,
                                       std::shared_ptr<const Scene> previous,
                                       const std::stop_token& stop) {
@@ -42,16 +32,10 @@ std::shared_ptr<const Scene> scene_at(const Scene& moving, double seconds, Worke
 Camera camera_at(const Camera& camera, const SceneMotion& motion, const Scene& at) {
     if (at.cameras().size() != motion.cameras.size()) return camera;
     for (std::size_t i = 0; i < motion.cameras.size(); ++i) {
-        if (!same_view(camera, motion.cameras[i])) continue;
-        const Camera& there = at.cameras()[i];
+        // Lens and image size may be the user's.
+        if (view_of(camera) != view_of(motion.cameras[i])) continue;
         Camera moved = camera;
-        moved.position = there.position;
-        moved.right = there.right;
-        moved.up = there.up;
-        moved.backward = there.backward;
-        moved.yfov = there.yfov;
-        moved.xmag = there.xmag;
-        moved.ymag = there.ymag;
+        view_of(moved) = view_of(at.cameras()[i]);
         return moved;
     }
     return camera;

@@ -220,7 +220,9 @@ std::shared_ptr<const Scene> Scene::build(SceneDesc desc, WorkerPool& pool,
     if (options.brute_force) {
         geometry->accel = build_brute_force(input);
     } else {
-        if (options.previous) geometry->accel = refit_accel(options.previous->accel(), input, pool);
+        if (options.previous) {
+            geometry->accel = refit_accel(options.previous->accel(), input, pool, options.stop);
+        }
         if (!geometry->accel)
             geometry->accel = build_accel(input, pool, options.stop, options.progress);
     }

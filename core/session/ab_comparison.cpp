@@ -317,8 +317,9 @@ class AbComparison::Impl {
             if (!verdict_.different) return;
             char text[96];
             std::snprintf(text, sizeof(text),
-                          "; but the pictures differ (B is brighter by %+.2f %%)",
-                          verdict_.brightness_percent);
+                          "; but the pictures differ (B is %s by %.2f %%)",
+                          verdict_.brightness_percent < 0 ? "darker" : "brighter",
+                          std::abs(verdict_.brightness_percent));
             verdict_.text += text;
         }
 

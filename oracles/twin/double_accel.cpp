@@ -289,7 +289,7 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& /*
 
 // Always built anew.
 std::unique_ptr<const Accel> refit_accel(const Accel& /*previous*/, const AccelInput& /*input*/,
-                                         WorkerPool& /*pool*/) {
+                                         WorkerPool& /*pool*/, std::stop_token /*stop*/) {
     return nullptr;
 }
 

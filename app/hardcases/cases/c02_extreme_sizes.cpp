@@ -10,10 +10,7 @@ namespace talbot::hardcases::c02 {
 namespace {
 
 bool refuses(const std::string& size) {
-    std::vector<std::string> words{"talbot", "--size", size};
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    const auto parsed = parse_options(static_cast<int>(argv.size()), argv.data());
+    const auto parsed = parse_options(std::vector<std::string>{"--size", size});
     return !parsed && parsed.error().kind == ErrorKind::usage;
 }
 

@@ -78,7 +78,7 @@ struct Figures {
 
 Figures look(bool naive, uint64_t repeats) {
     Figures f;
-    Moments right, below, dimension, seed_change, frame;
+    Moments right, below, dimension, seed_change;
     std::vector<double> spectrum(kSide * (kSide / 2 + 1), 0.0);
     double mean_square = 0;
     double pixel_square = 0;

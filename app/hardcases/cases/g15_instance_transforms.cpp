@@ -55,8 +55,14 @@ struct Truth {
     double margin = 1;  // least barycentric distance from an edge
 };
 
+#ifdef __clang__
+#define TALBOT_OPAQUE [[gnu::noinline]]
+#else
+#define TALBOT_OPAQUE [[gnu::noipa]]
+#endif
+
 // Not inlined: GCC 12 would see through the rounding of the ray to float.
-[[gnu::noipa]] Truth crossings(const Mesh& mesh, const Mat4d& world, const Ray& ray) {
+TALBOT_OPAQUE Truth crossings(const Mesh& mesh, const Mat4d& world, const Ray& ray) {
     const Vec3d o(ray.o);
     const Vec3d d(ray.d);
     const double side = glm::determinant(Mat3d(world)) < 0 ? -1 : 1;

@@ -1,0 +1,33 @@
+// The files that the program writes: checked before any work is done, pictures by their ending,
+// text to a file or the standard output.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/film/tone_map.h"
+#include "core/io/image_io.h"
+
+namespace talbot {
+
+// Refuses outputs that could not be written, or would be written over each other or over an input.
+// Empty names, and - for the standard output, are passed over.
+Status check_output_files(const std::vector<std::string>& outputs,
+                          const std::vector<std::string>& inputs);
+
+// With its dot, in lower case.
+std::string extension_of(const std::string& file);
+
+// Whether the ending is one that save_picture() knows: .png, .exr, .hdr, .pfm.
+bool is_picture(const std::string& file);
+
+// A .png shows the image as `display` says, without layers; .hdr and .pfm keep no layers and no
+// metadata either.
+Status save_picture(const std::string& file, const ImageRgba& image, const DisplaySettings& display,
+                    const std::vector<ImageLayer>& layers, const Metadata& metadata);
+
+// To the standard output for the name -, nowhere for an empty one.
+Status write_text(const std::string& file, const std::string& text);
+
+}  // namespace talbot

@@ -1,0 +1,19 @@
+// The words behind `talbot` and `talbot COMMAND`: read with one wording of what is wrong with them.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "core/base/result.h"
+
+namespace CLI {
+class App;
+}
+
+namespace talbot {
+
+// Reads the words into what `app`, of the command's whole name, was told to fill. False when help
+// or the version was printed and nothing is left to do.
+Result<bool> parse_words(CLI::App& app, std::span<const std::string> words);
+
+}  // namespace talbot
