@@ -169,7 +169,7 @@ TEST(HardCasesCommand, StressKeepsThePromisesOfABuiltInScene) {
         program::run("hardcases --scene " TALBOT_SOURCE_DIR
                      "/assets/scenes/spheres.gltf --size 32x32 --frames 2 --json " +
                          json,
-                     240);
+                     "", "", 240);
     EXPECT_EQ(run.code, 0) << run.output;
     const nlohmann::json j = program::read_json(json);
     EXPECT_EQ(j["schema"], "talbot-stress/1");
