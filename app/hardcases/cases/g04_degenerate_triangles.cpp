@@ -83,9 +83,9 @@ double naive_t(const Ray& ray, const std::array<Vec3f, 3>& tri) {
 }
 
 void see_needle(Rng& rng, NeedleScore& score) {
-    const auto needle = random_needle(rng);
-    const auto& tri = needle.first;
-    const Ray& ray = needle.second;
+    const Needle needle = random_needle(rng);
+    const auto& tri = needle.triangle;
+    const Ray& ray = needle.ray;
     if (ray.d == Vec3f(0)) return;
     const auto where = [&] { return hex(ray) + " triangle " + hex(tri); };
     Quad numerator = 0;
