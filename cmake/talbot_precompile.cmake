@@ -1,6 +1,7 @@
 # Reading the same headers again is half of compiling a small source: they are read once a target, in front of every source. Those
-# of templates at length cost optimised sources that do not use them more than they save: name them for -O0 alone. Each source names its own includes all the same. ccache would key every object by the checkout that the
-# precompiled headers lie in, so this is off where it serves; and it is tried out with g++.
+# of templates at length cost optimised sources that do not use them more than they save: name them for -O0 alone. Each source
+# names its own includes all the same. ccache would key every object by the checkout that the precompiled headers lie in, so this
+# is off where it serves; and it is tried out with g++.
 if(TALBOT_CCACHE OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     set(TALBOT_PRECOMPILE_DEFAULT OFF)
 else()
