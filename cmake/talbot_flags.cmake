@@ -1,5 +1,5 @@
 # Compiler flags shared by every target: warnings as errors, and floating point that means what the source says
-# (no contraction, no fast-math), so that the same samples give the same bytes on every build.
+# (no contraction, no fast-math), so that the same samples give the same bytes on every instruction set.
 add_library(talbot_flags INTERFACE)
 target_compile_options(talbot_flags INTERFACE
     -Wall -Wextra -Wconversion -Wshadow -Werror
