@@ -33,7 +33,7 @@ struct StepRecorder final : PathObserver {
         append(log, "ray %u  origin (%.9g, %.9g, %.9g)  direction (%.9g, %.9g, %.9g)\n", bounce,
                wide(ray.o.x), wide(ray.o.y), wide(ray.o.z), wide(ray.d.x), wide(ray.d.y),
                wide(ray.d.z));
-        append(log, "  beta (%.6g, %.6g, %.6g)  Li so far (%.6g, %.6g, %.6g)\n", wide(path.beta.x),
+        append(log, "  beta (%.9g, %.9g, %.9g)  Li so far (%.9g, %.9g, %.9g)\n", wide(path.beta.x),
                wide(path.beta.y), wide(path.beta.z), wide(path.Li.x), wide(path.Li.y),
                wide(path.Li.z));
         const Vec3d origin = scene->scene().origin();
@@ -54,7 +54,7 @@ struct StepRecorder final : PathObserver {
     }
 
     void in_medium(uint32_t, const Vec3f& p, const PathState& path) override {
-        append(log, "  but scatters before that in the medium at (%.9g, %.9g, %.9g)  pdf %.6g\n",
+        append(log, "  but scatters before that in the medium at (%.9g, %.9g, %.9g)  pdf %.9g\n",
                wide(p.x), wide(p.y), wide(p.z), wide(path.bsdf_pdf));
         const uint32_t material = path.media.top(scene->scene().materials());
         // A medium is entered through some surface: there is a vertex.
@@ -69,23 +69,23 @@ struct StepRecorder final : PathObserver {
                 const ShadingParams& params, const std::optional<BsdfSample>& scattered,
                 const PathState& path) override {
         append(log,
-               "  vertex %u  material '%s'  %s  n_geometric (%.6g, %.6g, %.6g)  n_shading (%.6g, "
-               "%.6g, %.6g)\n",
+               "  vertex %u  material '%s'  %s  n_geometric (%.9g, %.9g, %.9g)  n_shading (%.9g, "
+               "%.9g, %.9g)\n",
                bounce, material.name.c_str(), si.front ? "front" : "back", wide(si.n_geometric.x),
                wide(si.n_geometric.y), wide(si.n_geometric.z), wide(si.shading.n.x),
                wide(si.shading.n.y), wide(si.shading.n.z));
         append(log,
-               "  base colour (%.6g, %.6g, %.6g)  metallic %.6g  alpha %.6g  transmission %.6g\n",
+               "  base colour (%.9g, %.9g, %.9g)  metallic %.9g  alpha %.9g  transmission %.9g\n",
                wide(params.base_color.x), wide(params.base_color.y), wide(params.base_color.z),
                wide(params.metallic), wide(params.alpha), wide(params.transmission));
-        append(log, "  Li after emission and direct light (%.6g, %.6g, %.6g)\n", wide(path.Li.x),
+        append(log, "  Li after emission and direct light (%.9g, %.9g, %.9g)\n", wide(path.Li.x),
                wide(path.Li.y), wide(path.Li.z));
         if (!scattered) {
             append(log, "  is absorbed\n");
             return;
         }
         replayed.vertices.back().pdf = scattered->pdf;
-        append(log, "  scatters to (%.9g, %.9g, %.9g)  weight (%.6g, %.6g, %.6g)  pdf %.6g%s%s\n",
+        append(log, "  scatters to (%.9g, %.9g, %.9g)  weight (%.9g, %.9g, %.9g)  pdf %.9g%s%s\n",
                wide(scattered->wi.x), wide(scattered->wi.y), wide(scattered->wi.z),
                wide(scattered->weight.x), wide(scattered->weight.y), wide(scattered->weight.z),
                wide(scattered->pdf), scattered->delta ? "  delta" : "",
