@@ -4,6 +4,8 @@ add_library(talbot_flags INTERFACE)
 target_compile_options(talbot_flags INTERFACE
     -Wall -Wextra -Wconversion -Wshadow -Werror
     -ffp-contract=off -fno-math-errno -fno-trapping-math
+    # g++ 12 makes vectors of straight code from -O2 on and then leaves out roundings to float between doubles.
+    $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>
     # clang++ asks std::array for braces that C++ does not.
     $<$<CXX_COMPILER_ID:Clang>:-Wno-missing-braces>)
 target_include_directories(talbot_flags INTERFACE ${PROJECT_SOURCE_DIR})

@@ -87,22 +87,21 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& po
 
     primitives.clear();
     primitives.reserve(places_for(total, input.quality));
-    std::vector<uint32_t> first_numbers(input.instances.size(), 0);
     for (size_t i = 0; i < input.instances.size(); ++i) {
         const AccelInstance& instance = input.instances[i];
         const AccelMesh& mesh = input.meshes[instance.mesh];
         if (!instance.identity || mesh.indices.empty()) continue;
         const auto index = static_cast<uint32_t>(i);
-        first_numbers[i] = scene.merged.number({index, 0});
-        stats.dropped_triangles += add_triangles(mesh, index, first_numbers[i], primitives);
+        stats.dropped_triangles +=
+            add_triangles(mesh, index, scene.merged.number({index, 0}), primitives);
     }
     for (const BuildPrimitive& box : object_boxes(input, scene)) {
         if (box.lower.x <= box.upper.x) primitives.push_back(box);
     }
     const auto load = [&](const BuildPrimitive& p) {
         StoredTriangle t;
-        load_triangle(input.meshes[input.instances[p.instance].mesh],
-                      p.index - first_numbers[p.instance], t, false);
+        const PrimitiveId id = scene.merged.id(p.index);
+        load_triangle(input.meshes[input.instances[id.instance].mesh], id.primitive, t, false);
         return t;
     };
     if (!build_tree(primitives, input.quality, load, &pool, stop, report, scene.top))

@@ -10,10 +10,13 @@
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfStringAttribute.h>
+#include <ImfThreading.h>
 #pragma GCC diagnostic pop
 
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
+#include <thread>
 
 #include "core/io/image_codecs.h"
 #include "core/io/image_io.h"
@@ -76,6 +79,8 @@ class ExrPlanner {
     ExrPlanner(uint32_t width, uint32_t height, const Metadata& metadata)
         : header_(static_cast<int>(width), static_cast<int>(height)), width_(width) {
         header_.compression() = Imf::ZIP_COMPRESSION;
+        // Renders are noisy: more effort costs several times the time for a few per cent of size.
+        header_.zipCompressionLevel() = 1;
         for (const auto& [key, value] : metadata) header_.insert(key, Imf::StringAttribute(value));
     }
 
@@ -140,6 +145,16 @@ Result<ImageRgba> read_exr(std::span<const uint8_t> bytes, const std::string& na
     return image;
 }
 
+// Blocks of lines are compressed side by side; the file is the same for any number.
+int write_threads() {
+    static const int count = [] {
+        const int cores = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1u, 8u));
+        Imf::setGlobalThreadCount(cores);
+        return cores;
+    }();
+    return count;
+}
+
 }  // namespace
 
 Result<ImageRgba> decode_exr(std::span<const uint8_t> bytes, const std::string& name) {
@@ -172,7 +187,8 @@ Status save_exr(const std::filesystem::path& file, const ImageRgba& image,
     }
     MemoryOut stream;
     try {
-        Imf::OutputFile out(stream, planner.header(), 0);
+        const int threads = write_threads();
+        Imf::OutputFile out(stream, planner.header(), threads);
         out.setFrameBuffer(planner.buffer());
         out.writePixels(static_cast<int>(image.height));
     } catch (const std::exception& problem) {

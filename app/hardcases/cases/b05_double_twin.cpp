@@ -30,8 +30,8 @@ Stock stock(const std::string& name) {
 }
 
 // Control: corners as float holds them when the scene lies 1000 km from the origin. A tenth of the
-// noise of 8 samples (relMSE 0.01) is a change of radiance by 3 %, which corners make that are off by
-// 3 % of 2 m: half a unit in the last place, 2^-4 m, at 1e6 m. At 1e5 m it is eight times less.
+// noise of 8 samples (relMSE 0.01) is a change of radiance by 3 %, which corners make that are off
+// by 3 % of 2 m: half a unit in the last place, 2^-4 m, at 1e6 m. At 1e5 m it is eight times less.
 SceneDesc rounded_far_away(SceneDesc desc) {
     constexpr float kFar = 1e6f;
     for (Mesh& mesh : desc.meshes) {
@@ -56,8 +56,8 @@ CaseResult run(Effort effort) {
     ++other.seed;
     CaseResult result;
     for (const Stock& s : scenes) {
-        const auto own = twin::make_float_tracer(s.desc, s.camera, settings, budget.width,
-                                                 budget.height, pool);
+        const auto own =
+            twin::make_float_tracer(s.desc, s.camera, settings, budget.width, budget.height, pool);
         const auto twin =
             twin::make_double_tracer(s.desc, s.camera, settings, budget.width, budget.height);
         const auto again =
@@ -68,26 +68,25 @@ CaseResult run(Effort effort) {
         naive.relmse = NAN;
         // Spheres have no corners.
         if (!s.desc.meshes.empty()) {
-            const auto control =
-                twin::make_float_tracer(rounded_far_away(s.desc), s.camera, settings, budget.width,
-                                        budget.height, pool);
+            const auto control = twin::make_float_tracer(
+                rounded_far_away(s.desc), s.camera, settings, budget.width, budget.height, pool);
             naive = twin::compare_twins(*control, *twin, *again, budget, pool);
         }
         result.nonfinite += c.nonfinite;
-        result.measures.push_back({s.name + ": relMSE of float over that of the noise",
-                                   naive.relmse / c.noise, c.share_of_noise(), kTwinShareOfNoise,
-                                   Gate::at_most, geometry::line("%.2g %% of samples part",
-                                                       100 * c.parted_share())});
+        result.measures.push_back(
+            {s.name + ": relMSE of float over that of the noise", naive.relmse / c.noise,
+             c.share_of_noise(), kTwinShareOfNoise, Gate::at_most,
+             geometry::line("%.2g %% of samples part", 100 * c.parted_share())});
         result.measures.push_back({s.name + ": RMS difference of samples that go the same way",
                                    naive.together, c.together, kTwinTogether, Gate::at_most, ""});
     }
     return result;
 }
 
-const bool kAdded = add_case(
-    {"B05", Priority::p1, "float against a double twin",
-     "corners rounded as if the scene lay 1000 km from the origin",
-     "error-free or double steps where float would cancel; else float", "NVIDIA/VisRTX#334", run});
+const bool kAdded = add_case({"B05", Priority::p1, "float against a double twin",
+                              "corners rounded as if the scene lay 1000 km from the origin",
+                              "error-free or double steps where float would cancel; else float",
+                              "NVIDIA/VisRTX#334", run});
 
 }  // namespace double_twin
 }  // namespace talbot::hardcases
