@@ -32,10 +32,11 @@ Result<std::optional<AccuracyOptions>> parse_accuracy(std::span<const std::strin
     CLI::App app("What accuracy costs on a scene: error against seconds for each setting",
                  "talbot accuracy");
     app.allow_extras();
-    app.add_option("--sweep", o.sweeps,
-                   "KEY=v1,v2: max-depth, sampler, filter, texture-filter, lights, "
-                   "environment-sampling, roulette, nee, adaptive, effects, effect.NAME, tile-size; "
-                   "may be repeated")
+    app.add_option(
+           "--sweep", o.sweeps,
+           "KEY=v1,v2: max-depth, sampler, filter, texture-filter, lights, "
+           "environment-sampling, roulette, nee, adaptive, effects, effect.NAME, tile-size; "
+           "may be repeated")
         ->allow_extra_args(false);
     app.add_option("--target-error", o.target_percent,
                    "relative error in per cent; default what the settings as given reach");

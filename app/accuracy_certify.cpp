@@ -49,9 +49,11 @@ Result<std::optional<CertifyOptions>> parse_certify(std::span<const std::string>
     app.add_option("--to", o.to, "last milestone, a power of two (128)");
     app.add_option("--reference-factor", o.reference_factor,
                    "samples of the reference over those of the last milestone (64)");
-    app.add_option("--pixels", o.pixels, "about so many pixels an image (2304), where a list gives no --size");
-    app.add_option("--stop-to", o.stop_to,
-                   "samples up to which every fifth render goes on for the stop rule (4 times --to)");
+    app.add_option("--pixels", o.pixels,
+                   "about so many pixels an image (2304), where a list gives no --size");
+    app.add_option(
+        "--stop-to", o.stop_to,
+        "samples up to which every fifth render goes on for the stop rule (4 times --to)");
     app.add_option("--list", o.list,
                    "text file: on each line a scene and options of a render, for all of which the "
                    "promises must hold");
@@ -131,15 +133,16 @@ std::string percent_or_dash(double share, std::size_t of) {
 void print_row(const std::string& name, const CalibrationSummary& s) {
     const std::string firm =
         std::to_string(s.predictions_firm) + "/" + std::to_string(s.predictions);
-    std::printf("%-26s %7zu %9s %11.3f %5.1f %% %10s %9s %12s %11s %10.3f %7.3f %+9.2f %%  "
-                "%3.0f/%3.0f/%3.0f %%\n",
-                name.c_str(), s.claims, percent_or_dash(s.coverage, s.claims).c_str(), s.ratio,
-                100 * (std::exp(0.5 * s.mean_width) - 1),
-                percent_or_dash(s.predictions_inside, s.predictions).c_str(), firm.c_str(),
-                percent_or_dash(s.predictions_close, s.predictions_firm).c_str(),
-                percent_or_dash(s.predictions_close_seconds, s.predictions_firm).c_str(),
-                s.prediction_ratio, s.stop_ratio, s.stop_brightness_percent, 100 * s.green,
-                100 * s.amber, 100 * s.red);
+    std::printf(
+        "%-26s %7zu %9s %11.3f %5.1f %% %10s %9s %12s %11s %10.3f %7.3f %+9.2f %%  "
+        "%3.0f/%3.0f/%3.0f %%\n",
+        name.c_str(), s.claims, percent_or_dash(s.coverage, s.claims).c_str(), s.ratio,
+        100 * (std::exp(0.5 * s.mean_width) - 1),
+        percent_or_dash(s.predictions_inside, s.predictions).c_str(), firm.c_str(),
+        percent_or_dash(s.predictions_close, s.predictions_firm).c_str(),
+        percent_or_dash(s.predictions_close_seconds, s.predictions_firm).c_str(),
+        s.prediction_ratio, s.stop_ratio, s.stop_brightness_percent, 100 * s.green, 100 * s.amber,
+        100 * s.red);
     std::fflush(stdout);
 }
 
@@ -223,8 +226,8 @@ Status certify(const CertifyOptions& options, bool& kept) {
         // References of the same scene with other settings are other files of the cache.
         if (!scene_options.render.next_event_estimation) scene->name += "-no-nee";
         RenderSettings settings = scene->setup.settings;
-        const Resolution size = scene_options.size ? *scene_options.size
-                                                   : scaled_size(scene->setup, options.pixels);
+        const Resolution size =
+            scene_options.size ? *scene_options.size : scaled_size(scene->setup, options.pixels);
         settings.width = size.width;
         settings.height = size.height;
         const Result<Reference> reference = render_reference(

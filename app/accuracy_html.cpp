@@ -166,7 +166,8 @@ Result<std::string> report_html(const AccuracyReport& report) {
     std::snprintf(target, sizeof(target), "%.3g", report.outcome.target_percent);
     std::string html =
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Accuracy of ";
-    html += escape_html(report.scene_file) + "</title><style>" + kStyle + "</style></head><body><h1>";
+    html +=
+        escape_html(report.scene_file) + "</title><style>" + kStyle + "</style></head><body><h1>";
     html += "What accuracy costs: " + escape_html(report.scene_file) + "</h1>";
     html += "<h2>Advice</h2><p>" + escape_html(report.advice) + "</p>";
     html += "<pre id=\"command\">" + escape_html(report.advice_command) + "</pre>";

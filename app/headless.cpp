@@ -42,11 +42,7 @@ Status check_image_kinds(const Options& options) {
 
 Status check_outputs(const Options& options) {
     if (Status status = check_image_kinds(options); !status) return status;
-    std::vector<std::string> files = options.outputs;
-    for (const std::string& extra :
-         {options.report, options.film, options.checkpoint, options.screenshot})
-        files.push_back(extra);
-    return check_output_files(files, {options.scene_file, options.environment});
+    return check_output_files(options.written_files(), {options.scene_file, options.environment});
 }
 
 // --strict gives its answer by the exit code.

@@ -60,6 +60,13 @@ struct Options {
     bool json = false;  // info as JSON
     LogLevel log_level = LogLevel::info;
 
+    // What a render writes; some may be empty.
+    std::vector<std::string> written_files() const {
+        std::vector<std::string> files = outputs;
+        files.insert(files.end(), {report, film, checkpoint, screenshot});
+        return files;
+    }
+
     bool headless() const {
         return frames || time_seconds || target_error_percent || !outputs.empty() ||
                !report.empty() || !film.empty() || !checkpoint.empty() || !resume.empty();

@@ -118,9 +118,8 @@ std::string run_record_json(const RunRecord& record) {
     ordered_json j;
     j["schema"] = "talbot-run/1";
     j["version"] = TALBOT_VERSION;
-    j["scene"] = {{"file", s.scene->file()},
-                  {"sha256", s.scene->sha256()},
-                  {"reading", s.scene->reading()}};
+    j["scene"] = {
+        {"file", s.scene->file()}, {"sha256", s.scene->sha256()}, {"reading", s.scene->reading()}};
     if (const SceneMotion* motion = s.scene->motion().get())
         j["shutter"] = {{"open", motion->open}, {"seconds", motion->shutter}};
     j["environment"] = environment_json(s.scene->environment());
@@ -131,9 +130,8 @@ std::string run_record_json(const RunRecord& record) {
     j["max_depth"] = s.settings.max_depth;
     j["sampler"] = name_in(kSamplers, s.settings.sampler, &SamplerInfo::kind);
     j["lights"] = name_in(kLightSelections, s.settings.lights, &LightSelectionInfo::kind);
-    j["environment_sampling"] =
-        name_in(kEnvironmentSamplings, s.settings.environment_sampling,
-                &EnvironmentSamplingInfo::kind);
+    j["environment_sampling"] = name_in(kEnvironmentSamplings, s.settings.environment_sampling,
+                                        &EnvironmentSamplingInfo::kind);
     j["filter"] = name_in(kFilters, s.settings.filter, &FilterInfo::kind);
     j["texture_filter"] =
         name_in(kTextureFilterings, s.settings.texture_filter, &TextureFilteringInfo::kind);

@@ -1,5 +1,5 @@
-// Renders one of the rooms of effects_cost.py: bench_effects_cost_room ROOM SIZE. Prints the kernel that runs, the film's hash
-// and the effects in use as JSON. Runs on one thread, for callgrind.
+// Renders one of the rooms of effects_cost.py: bench_effects_cost_room ROOM SIZE. Prints the kernel
+// that runs, the film's hash and the effects in use as JSON. Runs on one thread, for callgrind.
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -18,7 +18,8 @@ uint32_t checker(SceneDesc& desc, int dark_alpha) {
     image->width = image->height = 16;
     for (uint32_t i = 0; i < 256; ++i) {
         const bool bright = (i / 4 + i / 64) % 2 == 0;
-        for (const int byte : {bright ? 230 : 20, 120, bright ? 40 : 200, bright ? 255 : dark_alpha})
+        for (const int byte :
+             {bright ? 230 : 20, 120, bright ? 40 : 200, bright ? 255 : dark_alpha})
             image->rgba.push_back(static_cast<uint8_t>(byte));
     }
     Texture texture;
@@ -27,7 +28,8 @@ uint32_t checker(SceneDesc& desc, int dark_alpha) {
     return static_cast<uint32_t>(desc.textures.size() - 1);
 }
 
-// What the room is made of, or the two boxes in it alone: it decides the kernel and the surfaces' code.
+// What the room is made of, or the two boxes in it alone: it decides the kernel and the surfaces'
+// code.
 Material material_of(const std::string& room, SceneDesc& desc) {
     Material m;
     m.base_color_factor = Vec4f(0.8f, 0.8f, 0.8f, 1);

@@ -84,8 +84,7 @@ inline Camera camera_at(const Vec3d& eye, const Vec3d& target, double yfov = 0.7
 inline Film render_film(const std::shared_ptr<const Scene>& scene, const Camera& camera,
                         const PathSettings& settings, uint32_t width, uint32_t height,
                         uint64_t passes, WorkerPool& pool, int tier = -1,
-                        NonFiniteCount* nonfinite = nullptr,
-                        const LightSampling& sampling = {}) {
+                        NonFiniteCount* nonfinite = nullptr, const LightSampling& sampling = {}) {
     const RenderScene render_scene(scene, nullptr, {}, sampling);
     const CameraRays rays(camera, scene->origin(), width, height, scene->geometry().bounds);
     const std::size_t index = tier >= 0 ? static_cast<std::size_t>(tier)

@@ -204,8 +204,8 @@ inline std::shared_ptr<const Scene> sweep(const SceneDesc& desc, WorkerPool& poo
             instance.world_from_object[3].x += 0.5 * seconds;
         return Scene::build(std::move(moved), workers);
     };
-    return Scene::build(desc, pool)->with_motion(
-        std::make_shared<const SceneMotion>(std::move(motion)));
+    return Scene::build(desc, pool)
+        ->with_motion(std::make_shared<const SceneMotion>(std::move(motion)));
 }
 
 // A wall in front of the camera, lit from above and from behind, before a dim coloured sky.

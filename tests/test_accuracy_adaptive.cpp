@@ -46,7 +46,8 @@ struct AdaptivePicture {
     }
 
     double samples_a_pixel() const {
-        return static_cast<double>(film.total_samples()) / static_cast<double>(film.pixels().size());
+        return static_cast<double>(film.total_samples()) /
+               static_cast<double>(film.pixels().size());
     }
 };
 
@@ -109,8 +110,8 @@ TEST(Adaptive, SavesSamplesAndTheStatedErrorHolds) {
             ++claims;
         }
         all.render_until(256);
-        gain += true_relmse(all) * all.samples_a_pixel() /
-                (true_relmse(p) * p.samples_a_pixel()) / kSeeds;
+        gain += true_relmse(all) * all.samples_a_pixel() / (true_relmse(p) * p.samples_a_pixel()) /
+                kSeeds;
     }
     std::printf("estimate over truth %.3f, inside %.3f, efficiency %.2f\n",
                 std::exp(log_ratio / claims), inside / claims, gain);

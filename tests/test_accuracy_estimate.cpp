@@ -247,8 +247,7 @@ TEST(Accuracy, FirmPredictionsAreKept) {
                     if (!p.firm) continue;
                     ++firm;
                     EXPECT_EQ(estimates[i].trust, Trust::green);
-                    const double ratio =
-                        estimates[j].seconds / (estimates[i].seconds + p.seconds);
+                    const double ratio = estimates[j].seconds / (estimates[i].seconds + p.seconds);
                     kept += PredictionClaim::within(ratio) ? 1 : 0;
                 }
             }

@@ -81,7 +81,7 @@ TEST(AccuracyVerdict, LoadThatLastsIsNoDifference) {
 }
 
 TEST(AccuracyVerdict, StudentQuantilesAreThoseOfTables) {
-    const double table[][3] = {{0.05, 1, 12.706}, {0.05, 2, 4.303}, {0.05, 3, 3.182},
+    const double table[][3] = {{0.05, 1, 12.706}, {0.05, 2, 4.303},  {0.05, 3, 3.182},
                                {0.01, 5, 4.032},  {0.002, 4, 7.173}, {0.001, 7, 5.408},
                                {0.05, 30, 2.042}, {0.1, 1e9, 1.6449}};
     for (const auto& [probability, freedom, quantile] : table)

@@ -281,6 +281,20 @@ TEST_F(CommandLine, ReplacesNoDeviceAndFollowsLinks) {
     EXPECT_GT(fs::file_size(path("target.png")), 100u);
 }
 
+TEST_F(CommandLine, KeepsTheFilesOfTheSceneFromItsOutputs) {
+    for (const auto& entry : fs::directory_iterator(TALBOT_SOURCE_DIR "/assets/scenes")) {
+        if (entry.path().filename().string().starts_with("report-extended"))
+            fs::copy_file(entry.path(), folder_ / entry.path().filename());
+    }
+    const std::string texture = path("report-extended-brick-base.png");
+    const std::string before = program::read_text(texture);
+    ASSERT_GT(before.size(), 100u);
+    const std::string render = path("report-extended.gltf") + " --frames 1 --size 16x9 --output ";
+    expect_refusal(render + texture, 2, "is an input of this run");
+    EXPECT_EQ(program::read_text(texture), before);
+    EXPECT_EQ(run(render + path("report.png")).code, 0);
+}
+
 TEST_F(CommandLine, OutputsThatCollideAreRefused) {
     const std::string render = kCornell + " --frames 1 --size 16x12 ";
     const std::string file = path("same.png");

@@ -5,8 +5,8 @@
 #include "core/scene/alpha_ranges.h"
 #include "core/scene/effects_fold.h"
 #include "core/session/session.h"
-#include "tests/effect_scenes.h"
 #include "oracles/stats/random.h"
+#include "tests/effect_scenes.h"
 
 namespace talbot {
 namespace {
@@ -45,10 +45,9 @@ TEST(EffectAnalysis, ConstantTexturesAreFactors) {
                 }).has(Effect::base_color_texture));
     // One channel that is not read may vary.
     EXPECT_EQ(effects_of([](SceneDesc& desc, Material& m) {
-                  m.base_color_texture =
-                      slot_of(add_texture(desc, 4, [](uint32_t x, uint32_t) {
-                          return std::array{9, 9, 9, static_cast<int>(x)};
-                      }));
+                  m.base_color_texture = slot_of(add_texture(desc, 4, [](uint32_t x, uint32_t) {
+                      return std::array{9, 9, 9, static_cast<int>(x)};
+                  }));
               }),
               plain);
 }
@@ -59,7 +58,8 @@ TEST(EffectAnalysis, NormalMapsThatAreFlatAreNone) {
                    m.normal_texture = slot_of(add_texture(desc, 4, [=](uint32_t i, uint32_t) {
                        return std::array{i == 0 ? 127 : x, y, 255, 255};
                    }));
-               }).has(Effect::normal_map);
+               })
+            .has(Effect::normal_map);
     };
     EXPECT_FALSE(with(128, 127));
     EXPECT_TRUE(with(129, 127));
@@ -127,7 +127,8 @@ TEST(EffectAnalysis, WhatCannotBeSeenIsNoEffect) {
         dark.intensity = 0;
         desc.lights.push_back(dark);
     });
-    none([](SceneDesc& desc, Material&) { desc.environment.gradient = EnvironmentGradient{Vec3f(0, 1, 0), Rgb(0), Rgb(0)};
+    none([](SceneDesc& desc, Material&) {
+        desc.environment.gradient = EnvironmentGradient{Vec3f(0, 1, 0), Rgb(0), Rgb(0)};
     });
     // Metal lets nothing through, and an index of 1 disperses nothing.
     const EffectSet metal = effects_of([](SceneDesc&, Material& m) { m.metallic_factor = 1; });
@@ -171,8 +172,9 @@ TEST(AlphaRanges, BoundEveryLookup) {
         Texture texture = desc.textures[0];
         const auto wrap = [&] {
             const float k = random();
-            return k < 0.34f ? TextureWrap::repeat
-                             : (k < 0.67f ? TextureWrap::mirrored_repeat : TextureWrap::clamp_to_edge);
+            return k < 0.34f
+                       ? TextureWrap::repeat
+                       : (k < 0.67f ? TextureWrap::mirrored_repeat : TextureWrap::clamp_to_edge);
         };
         texture.wrap_u = wrap();
         texture.wrap_v = wrap();
@@ -211,7 +213,8 @@ TEST(AlphaRanges, BoundEveryLookup) {
                 ASSERT_GE(a, range.least - kRounding);
                 ASSERT_LE(a, range.most + kRounding);
                 if (range.least == 255) {
-                    ASSERT_EQ(eval_texture(texture, slot.apply(uv), TextureEncoding::linear).w, 1.0f);
+                    ASSERT_EQ(eval_texture(texture, slot.apply(uv), TextureEncoding::linear).w,
+                              1.0f);
                 }
             }
         }

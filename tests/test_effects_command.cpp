@@ -27,8 +27,9 @@ class EffectsCommand : public testing::Test {
 };
 
 TEST_F(EffectsCommand, ForcedOffIsABiasThatIsNamedAndMeasured) {
-    const Outcome outcome = run(kCornell + " --frames 2 --size 32x32 --effects auto,-emissive_meshes" +
-                                " --report " + path("off.json") + " --output " + path("off.png"));
+    const Outcome outcome =
+        run(kCornell + " --frames 2 --size 32x32 --effects auto,-emissive_meshes" + " --report " +
+            path("off.json") + " --output " + path("off.png"));
     EXPECT_EQ(outcome.code, 0) << outcome.output;
     EXPECT_NE(outcome.output.find("--effects -emissive_meshes: the picture is biased"),
               std::string::npos)

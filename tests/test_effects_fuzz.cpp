@@ -5,8 +5,8 @@
 #include <cstdlib>
 
 #include "core/scene/effects_fold.h"
-#include "tests/effect_scenes.h"
 #include "oracles/stats/random.h"
+#include "tests/effect_scenes.h"
 
 namespace talbot {
 namespace {
@@ -168,14 +168,13 @@ class MaterialFuzzer {
         };
         const std::array<int, 4> one{byte(), byte(), byte(), byte()};
         const bool opaque = coin();
-        const uint32_t index =
-            add_texture(desc_, kind < 0.2f ? 1 : 8, [&](uint32_t x, uint32_t) {
-                if (kind < 0.5f) return one;
-                if (kind < 0.65f) return std::array{127 + (coin() ? 1 : 0), 128, 255, 255};
-                // Alpha is opaque or clear on one side, noise on the other.
-                const int alpha = opaque ? 255 : (x < 4 ? (one[3] < 128 ? 0 : 255) : byte());
-                return std::array{byte(), byte(), byte(), alpha};
-            });
+        const uint32_t index = add_texture(desc_, kind < 0.2f ? 1 : 8, [&](uint32_t x, uint32_t) {
+            if (kind < 0.5f) return one;
+            if (kind < 0.65f) return std::array{127 + (coin() ? 1 : 0), 128, 255, 255};
+            // Alpha is opaque or clear on one side, noise on the other.
+            const int alpha = opaque ? 255 : (x < 4 ? (one[3] < 128 ? 0 : 255) : byte());
+            return std::array{byte(), byte(), byte(), alpha};
+        });
         desc_.textures.back().filter = coin() ? TextureFilter::linear : TextureFilter::nearest;
         desc_.textures.back().wrap_u =
             coin() ? TextureWrap::repeat

@@ -52,10 +52,9 @@ TEST_P(EffectOff, ChangesThePictureMadeForIt) {
 TEST_P(EffectOff, ForcedOnChangesNoByte) {
     const EffectScene made = make_effect_scene(GetParam().effect, workers());
     RenderSettings settings = small();
-    const std::string hash =
-        render_view(prepare_view(made.scene, made.camera, settings, workers()), settings, 4,
-                    workers())
-            .hash();
+    const std::string hash = render_view(prepare_view(made.scene, made.camera, settings, workers()),
+                                         settings, 4, workers())
+                                 .hash();
     settings.forced_on = EffectSet::all();
     const PreparedView all = prepare_view(made.scene, made.camera, settings, workers());
     EXPECT_EQ(all.tier, kFullKernel);
@@ -121,8 +120,7 @@ TEST(EffectLedger, StopsWhenAsked) {
     const EffectScene made = make_effect_scene(Effect::sheen, workers());
     std::stop_source stop;
     stop.request_stop();
-    EXPECT_FALSE(
-        price_effects(made.scene, made.camera, small(), {}, stop.get_token()).has_value());
+    EXPECT_FALSE(price_effects(made.scene, made.camera, small(), {}, stop.get_token()).has_value());
 }
 
 }  // namespace

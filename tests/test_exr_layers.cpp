@@ -119,8 +119,7 @@ TEST_F(ExrLayers, OutliersAreTheSameForAnyThreadsAndCanBeReplayed) {
     ASSERT_EQ(replay.code, 0);
     const std::size_t line = replay.output.rfind("radiance (");
     ASSERT_NE(line, std::string::npos) << replay.output;
-    EXPECT_FLOAT_EQ(std::stof(replay.output.substr(line + 10)),
-                    first["radiance"][0].get<float>())
+    EXPECT_FLOAT_EQ(std::stof(replay.output.substr(line + 10)), first["radiance"][0].get<float>())
         << replay.output;
 }
 

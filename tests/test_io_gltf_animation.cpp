@@ -367,7 +367,8 @@ TEST(Variants, ByNameAndListed) {
     EXPECT_NE(refused.error().what.find("'day', 'night'"), std::string::npos);
     const auto file = GltfFile::open(b.folder() / "scene.gltf");
     ASSERT_TRUE(file.ok());
-    EXPECT_EQ((*file)->choices().variants, (std::vector<std::string>{"day", "night", "dusk", "noon"}));
+    EXPECT_EQ((*file)->choices().variants,
+              (std::vector<std::string>{"day", "night", "dusk", "noon"}));
     primitive["extensions"]["KHR_materials_variants"]["mappings"][0]["material"] = 3;
     const auto range = b.load();
     ASSERT_FALSE(range.ok());

@@ -142,14 +142,12 @@ TEST(Materials, SpecialAndInvalidNumbers) {
 TEST(Textures, SlotsSamplersAndSharedImages) {
     GltfBuilder b;
     const int plain = b.add_texture();
-    const int clamped =
-        b.push("textures",
-               {{"source", 0},
-                {"sampler",
-                 b.push("samplers", {{"wrapS", 33071},
-                                     {"wrapT", 33648},
-                                     {"magFilter", 9728},
-                                     {"minFilter", 9984}})}});
+    const int clamped = b.push(
+        "textures",
+        {{"source", 0},
+         {"sampler",
+          b.push("samplers",
+                 {{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}, {"minFilter", 9984}})}});
     const int unused = b.add_texture();
     b.add_material({{"emissiveTexture", {{"index", unused}}}});
     TALBOT_LOADED(

@@ -1,7 +1,6 @@
 // A file that stays open gives, at every time and in every variant, what a fresh reading gives.
 #include <gtest/gtest.h>
 
-
 #include "core/io/gltf_loader.h"
 #include "io_gltf_builder.h"
 #include "tests/shared_scenes.h"

@@ -1,5 +1,5 @@
-// The emission map against dense lookups: no lit texel is ever called black, black parts are found, and means are those of the
-// texels.
+// The emission map against dense lookups: no lit texel is ever called black, black parts are found,
+// and means are those of the texels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -39,9 +39,9 @@ TEST(EmissionMap, CallsNothingBlackThatShines) {
     const Material material = emissive_material();
     int black = 0;
     for (int round = 0; round < 60; ++round) {
-        Texture texture = sparse_texture(
-            1 + static_cast<uint32_t>(random() % 70), 1 + static_cast<uint32_t>(random() % 70), random,
-            1 + round % 4);
+        Texture texture =
+            sparse_texture(1 + static_cast<uint32_t>(random() % 70),
+                           1 + static_cast<uint32_t>(random() % 70), random, 1 + round % 4);
         texture.wrap_u = static_cast<TextureWrap>(random() % 3);
         texture.wrap_v = static_cast<TextureWrap>(random() % 3);
         texture.filter = static_cast<TextureFilter>(random() % 2);
@@ -49,7 +49,8 @@ TEST(EmissionMap, CallsNothingBlackThatShines) {
         const EmissionMap map(material, textures);
         for (int box = 0; box < 400; ++box) {
             const Vec2f lower(6 * unit(random) - 3, 6 * unit(random) - 3);
-            const Vec2f size(std::pow(unit(random), 3.0f) * 1.5f, std::pow(unit(random), 3.0f) * 1.5f);
+            const Vec2f size(std::pow(unit(random), 3.0f) * 1.5f,
+                             std::pow(unit(random), 3.0f) * 1.5f);
             if (map.mean(lower, lower + size) > 0) continue;
             ++black;
             for (int i = 0; i < 100; ++i) {
@@ -76,7 +77,8 @@ TEST(EmissionMap, MeansAreThoseOfTheTexels) {
         double sum = 0;
         for (uint32_t y = y0; y < y1; ++y) {
             for (uint32_t x = x0; x < x1; ++x) {
-                const Vec2f uv((static_cast<float>(x) + 0.5f) / 256, (static_cast<float>(y) + 0.5f) / 128);
+                const Vec2f uv((static_cast<float>(x) + 0.5f) / 256,
+                               (static_cast<float>(y) + 0.5f) / 128);
                 sum += luminance(material.emissive_factor * material.emissive_strength *
                                  Rgb(eval_texture(texture, uv, TextureEncoding::srgb)));
             }
@@ -89,7 +91,8 @@ TEST(EmissionMap, MeansAreThoseOfTheTexels) {
     const double part = map.mean(Vec2f(34.0f / 256, 26.0f / 128), Vec2f(61.0f / 256, 45.0f / 128));
     EXPECT_NEAR(part / texel_mean(32, 64, 24, 48), 1, 1e-5);
     // The same place three turns away, and a box across the seam.
-    EXPECT_EQ(part, map.mean(Vec2f(3 + 34.0f / 256, 26.0f / 128), Vec2f(3 + 61.0f / 256, 45.0f / 128)));
+    EXPECT_EQ(part,
+              map.mean(Vec2f(3 + 34.0f / 256, 26.0f / 128), Vec2f(3 + 61.0f / 256, 45.0f / 128)));
     EXPECT_NEAR(map.mean(Vec2f(0, 0), Vec2f(1, 1)) / whole, 1, 1e-5);
 }
 

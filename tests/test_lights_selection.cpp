@@ -46,8 +46,8 @@ struct ManyLights {
         for (int i = 0; i < 20; ++i) {
             PunctualLight light;
             light.intensity = static_cast<float>(random.between(0.1, 10));
-            light.position = Vec3d(random.between(-3, 3), random.between(0.5, 3),
-                                   random.between(-3, 3));
+            light.position =
+                Vec3d(random.between(-3, 3), random.between(0.5, 3), random.between(-3, 3));
             intensities.push_back(static_cast<double>(light.intensity));
             const double d2 = dot(light.position, light.position);
             irradiance += intensities.back() * light.position.y / (d2 * std::sqrt(d2));
@@ -72,10 +72,10 @@ stats::Moments irradiance_of(const ManyLights& many, LightSelection selection, d
     for (int i = 0; i < 400000; ++i) {
         const float u = random();
         const std::optional<LightSample> s = table.sample(*many.scene, p, n, u, random.pair());
-        const double value =
-            s ? static_cast<double>(s->radiance.x) * static_cast<double>(std::max(s->wi.y, 0.0f)) /
-                    static_cast<double>(s->pdf)
-              : 0.0;
+        const double value = s ? static_cast<double>(s->radiance.x) *
+                                     static_cast<double>(std::max(s->wi.y, 0.0f)) /
+                                     static_cast<double>(s->pdf)
+                               : 0.0;
         estimate.add(value * fault);
     }
     return estimate;
@@ -165,7 +165,8 @@ TEST(LightSelection, ALightThatIsRarelyPickedIsStillSampledAllOver) {
     // Of the 2^24 first numbers each of the faint lamp's triangles gets 8: were they not refined,
     // it would be seen from 8 directions.
     const auto scene = quad_lamps(0x1p-20f);
-    const LightTable table(*scene, nullptr, {LightSelection::power, EnvironmentSampling::luminance});
+    const LightTable table(*scene, nullptr,
+                           {LightSelection::power, EnvironmentSampling::luminance});
     ASSERT_EQ(table.lights().size(), 4u);
     const Vec3f p(-scene->origin());
     const auto edge = static_cast<float>(1 - scene->origin().x);
@@ -206,8 +207,7 @@ TEST(SunDisc, GivesItsIlluminanceAtEveryAngle) {
     for (const double diameter : {2e-6, 1e-3, 0.00925, 0.1, 1.0, 2.5, kPi64}) {
         for (const double cosine : {1.0, 0.6, 0.05, -0.1}) {
             const SunDisc sun = make_sun_disc(
-                directional(1,
-                            Vec3f(Vec3d(std::sqrt(1 - cosine * cosine), -cosine, 0)),
+                directional(1, Vec3f(Vec3d(std::sqrt(1 - cosine * cosine), -cosine, 0)),
                             static_cast<float>(diameter)));
             stats::Moments estimate;
             stats::Random random(11);
@@ -218,8 +218,8 @@ TEST(SunDisc, GivesItsIlluminanceAtEveryAngle) {
                              static_cast<double>(pdf_sun_disc(sun)));
             }
             const double radius = 0.5 * static_cast<double>(static_cast<float>(diameter));
-            const double expected = cosine > std::sin(radius) ? cosine
-                                                              : irradiance_under_disc(radius, cosine);
+            const double expected =
+                cosine > std::sin(radius) ? cosine : irradiance_under_disc(radius, cosine);
             EXPECT_LT(std::abs(estimate.mean() - expected),
                       4 * estimate.standard_error() + 1e-5 * expected + 1e-7)
                 << "diameter " << diameter << ", cosine " << cosine;
@@ -265,8 +265,9 @@ stats::Moments floor_radiance(Add add, const Material& material, const PathSetti
     builder.mesh(SceneBuilder::quad(Vec3f(-50, 0, -50), Vec3f(0, 0, 100), Vec3f(100, 0, 0)),
                  builder.material(material));
     add(builder);
-    const Film film = render_film(builder.build(workers()), camera_at(Vec3d(0, 1, 1), Vec3d(0), 1e-4),
-                                  settings, 32, 32, passes, workers(), -1, nullptr, sampling);
+    const Film film =
+        render_film(builder.build(workers()), camera_at(Vec3d(0, 1, 1), Vec3d(0), 1e-4), settings,
+                    32, 32, passes, workers(), -1, nullptr, sampling);
     stats::Moments pixels;
     for (const FilmPixel& pixel : film.pixels())
         pixels.add(pixel.sum[1].value() / static_cast<double>(pixel.samples));
@@ -380,9 +381,9 @@ TEST(EnvironmentSampling, CompensatedDensityIntegratesToOneAndLeavesTheDarkOut) 
         const double y = random.between(-1, 1);
         const double phi = random.between(0, 2 * kPi64);
         const double s = std::sqrt(1 - y * y);
-        integral.add(4 * kPi64 *
-                     static_cast<double>(light.pdf(
-                         Vec3f(Vec3d(s * std::cos(phi), y, s * std::sin(phi))))));
+        integral.add(
+            4 * kPi64 *
+            static_cast<double>(light.pdf(Vec3f(Vec3d(s * std::cos(phi), y, s * std::sin(phi))))));
     }
     EXPECT_GT(stats::z_test(integral, 1), stats::kFalseAlarm) << integral.mean();
     EXPECT_EQ(light.pdf(Vec3f(0, -1, 0)), 0);

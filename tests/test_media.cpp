@@ -1,5 +1,5 @@
-// Media inside volumes against closed forms: the phase function, free paths, nested and overlapping bodies, white bodies in a
-// uniform surrounding, light inside a volume.
+// Media inside volumes against closed forms: the phase function, free paths, nested and overlapping
+// bodies, white bodies in a uniform surrounding, light inside a volume.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -39,7 +39,8 @@ double phase_p_value(float sampled, float expected) {
         const Vec3d between = Vec3d(d) - Vec3d(wi);
         const long double c = 1 - 0.5L * dot(between, between);
         const auto bin = static_cast<int>(phase_cdf(expected, c) * kBins);
-        const bool left = dot(wi, Vec3f(0.9f, 0.1f, 0.2f) - dot(Vec3f(0.9f, 0.1f, 0.2f), d) * d) > 0;
+        const bool left =
+            dot(wi, Vec3f(0.9f, 0.1f, 0.2f) - dot(Vec3f(0.9f, 0.1f, 0.2f), d) * d) > 0;
         ++observed[static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1) * 2 + (left ? 1 : 0))];
     }
     const std::vector<double> even(observed.size(), kSamples / (2.0 * kBins));
@@ -235,7 +236,8 @@ double half_space_return(double albedo) {
     std::vector<double> h(kNodes, 1);
     const auto next = [&](double m) {
         double sum = 0;
-        for (int i = 0; i < kNodes; ++i) sum += mu(i) * h[static_cast<std::size_t>(i)] / (m + mu(i));
+        for (int i = 0; i < kNodes; ++i)
+            sum += mu(i) * h[static_cast<std::size_t>(i)] / (m + mu(i));
         return 1 / (root + 0.5 * albedo * sum / kNodes);
     };
     for (int round = 0; round < 200; ++round) {
@@ -291,9 +293,11 @@ TEST(ScatteringMedia, LightInsideIsFoundByBothStrategies) {
     EXPECT_EQ(kTiers[smallest_tier(analyse_effects(*absorbing, camera).active)].name,
               "transmissive");
     settings.next_event_estimation = true;
-    const double seen = film_mean(render_film(absorbing, camera, settings, 16, 16, 1024, workers()));
+    const double seen =
+        film_mean(render_film(absorbing, camera, settings, 16, 16, 1024, workers()));
     settings.next_event_estimation = false;
-    const double found = film_mean(render_film(absorbing, camera, settings, 16, 16, 1024, workers()));
+    const double found =
+        film_mean(render_film(absorbing, camera, settings, 16, 16, 1024, workers()));
     EXPECT_NEAR(seen / found, 1, 0.01);
     // Both tiers that know volumes give the same bytes.
     const Film a = render_film(absorbing, camera, settings, 8, 8, 8, workers(), 3);

@@ -184,8 +184,7 @@ TEST(SamplerKinds, PixelsSeedsPairsAndSamplesAreUncorrelated) {
             pairs += a * (at(1, 12, 0).pair(3).x - 0.5f);
             axes += a * (at(1, 12, 0).pair(2).y - 0.5f);
             // Two samples of one Halton sequence complement each other.
-            if (info.kind != SamplerKind::halton)
-                samples += a * (at(1, 12, 512).pair(2).x - 0.5f);
+            if (info.kind != SamplerKind::halton) samples += a * (at(1, 12, 512).pair(2).x - 0.5f);
             control += a * (at(1, 12, 0).pair(2).x - 0.5f);
         }
         for (const double sum : {pixels, seeds, pairs, axes, samples})
@@ -213,8 +212,8 @@ TEST(SamplerKinds, AllButIndependentConvergeSooner) {
     const double independent = smooth_error(SamplerKind::independent, 256);
     // The variance of u v is 1/9 - 1/16.
     EXPECT_NEAR(independent, std::sqrt((1.0 / 9 - 1.0 / 16) / 256), 0.1 * independent);
-    for (const SamplerKind kind : {SamplerKind::sobol, SamplerKind::stratified,
-                                   SamplerKind::halton, SamplerKind::zsobol})
+    for (const SamplerKind kind :
+         {SamplerKind::sobol, SamplerKind::stratified, SamplerKind::halton, SamplerKind::zsobol})
         EXPECT_LT(smooth_error(kind, 256), 0.25 * independent) << static_cast<int>(kind);
 }
 

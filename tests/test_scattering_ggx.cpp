@@ -72,8 +72,7 @@ TEST(Ggx, VisibleNormalsIntegrateToOne) {
             EXPECT_NEAR(integral_of(Ggx(alpha), wo, 1), 1, 1e-4) << alpha << ' ' << mu;
         }
     }
-    EXPECT_NEAR(integral_of(Ggx(0.05f, 0.8f), normalize(Vec3f(0.7f, 0.3f, 0.1f)), 1),
-                1, 1e-4);
+    EXPECT_NEAR(integral_of(Ggx(0.05f, 0.8f), normalize(Vec3f(0.7f, 0.3f, 0.1f)), 1), 1, 1e-4);
     EXPECT_GT(integral_of(Ggx(0.1f), Vec3f(0, 0, 1), 1.02f), 1 + 1e-4) << "control";
 }
 

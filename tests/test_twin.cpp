@@ -26,13 +26,11 @@ twin::Comparison compare(const SceneDesc& own, const SceneDesc& twin, const Came
                          const PathSettings& own_settings = {}) {
     WorkerPool pool(2);
     PathSettings settings;
-    const auto a = twin::make_float_tracer(own, camera, own_settings, kBudget.width,
-                                           kBudget.height, pool);
-    const auto b =
-        twin::make_double_tracer(twin, camera, settings, kBudget.width, kBudget.height);
+    const auto a =
+        twin::make_float_tracer(own, camera, own_settings, kBudget.width, kBudget.height, pool);
+    const auto b = twin::make_double_tracer(twin, camera, settings, kBudget.width, kBudget.height);
     ++settings.seed;
-    const auto c =
-        twin::make_double_tracer(twin, camera, settings, kBudget.width, kBudget.height);
+    const auto c = twin::make_double_tracer(twin, camera, settings, kBudget.width, kBudget.height);
     return twin::compare_twins(*a, *b, *c, kBudget, pool);
 }
 

@@ -75,8 +75,7 @@ Status Display::load() {
 }
 
 Result<const ShaderProgram*> Display::program_for(const DisplaySettings& settings, bool has_alpha,
-                                                  bool outlined,
-                                                  const DisplayOverlay& overlay) {
+                                                  bool outlined, const DisplayOverlay& overlay) {
     std::string defines;
     const auto define = [&](const char* name, int value) {
         defines += std::string("#define ") + name + ' ' + std::to_string(value) + '\n';

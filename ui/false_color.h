@@ -1,5 +1,5 @@
-// The scale from dark blue over green to yellow in which scalars are shown; the twin of scale_color in
-// shaders/display.frag. Display-encoded.
+// The scale from dark blue over green to yellow in which scalars are shown; the twin of scale_color
+// in shaders/display.frag. Display-encoded.
 #pragma once
 
 #include "core/math/vec.h"

@@ -13,7 +13,15 @@
 
 namespace talbot {
 
-enum class ChangeKind : uint8_t { camera, material, light, environment, settings, scene, animation };
+enum class ChangeKind : uint8_t {
+    camera,
+    material,
+    light,
+    environment,
+    settings,
+    scene,
+    animation
+};
 inline constexpr std::array<std::string_view, 7> kChangeKindNames{
     "camera", "material", "light", "environment", "settings", "scene", "animation"};
 

@@ -1,8 +1,8 @@
 // Every value that the user can edit, declared once: its path for scripts, its label, unit and
 // range for the panels, and how it is read and written. Paths look like
 // materials[3].roughness_factor, lights[0].intensity, environment.rotation_degrees, camera.yfov,
-// render.max_depth, scene.animation_seconds, display.exposure_ev, session.paused; a material may also be named:
-// materials[Glass].ior.
+// render.max_depth, scene.animation_seconds, display.exposure_ev, session.paused; a material may
+// also be named: materials[Glass].ior.
 #pragma once
 
 #include <array>

@@ -98,8 +98,7 @@ Result<RereadScene> reread_scene(const std::shared_ptr<GltfFile>& file, const Sc
     RereadScene reread;
     reread.loaded.scene = Scene::build(std::move(*desc), pool, build);
     if (!reread.loaded.scene) return Error{ErrorKind::cancelled, name, "", "loading was cancelled"};
-    Result<std::shared_ptr<const Scene>> moving =
-        set_in_motion(reread.loaded.scene, file, options);
+    Result<std::shared_ptr<const Scene>> moving = set_in_motion(reread.loaded.scene, file, options);
     if (!moving) return moving.error();
     reread.loaded.scene = std::move(*moving);
     reread.loaded.camera = first_camera(*reread.loaded.scene);

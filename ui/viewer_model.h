@@ -19,7 +19,7 @@ namespace talbot {
 // How the image is looked at beyond DisplaySettings.
 struct ViewSettings {
     bool false_color = false;
-    int bvh_boxes = -1;  // level of the boxes that are drawn over the image; below 0 none are
+    int bvh_boxes = -1;      // level of the boxes that are drawn over the image; below 0 none are
     bool fit_window = true;  // the image has as many pixels as its part of the window
     bool show_panels = true;
     bool show_help = false;
@@ -49,9 +49,9 @@ struct ViewerModel {
     bool paused = false;
     uint64_t pass_limit = 0;
     std::optional<uint32_t> selected_object;
-    uint32_t material = 0;  // the one whose panel is open
+    uint32_t material = 0;                          // the one whose panel is open
     std::shared_ptr<EffectPriceJob> effect_prices;  // once they were asked for
-    int camera = -1;        // of the file's list; -1 = moved by hand or none
+    int camera = -1;  // of the file's list; -1 = moved by hand or none
 
     // The name that the panels show for a material, never empty.
     std::string material_name(uint32_t index) const;

@@ -16,9 +16,9 @@ Status save_scenes(const std::string& folder, const CaseReport& report) {
         for (const CaseImages& images : row.result.images) {
             if (images.scene_gltf.empty()) continue;
             const std::string& text = images.scene_gltf;
-            const Status status = write_file_atomically(
-                std::filesystem::path(folder) / images.scene_file_name,
-                {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+            const Status status =
+                write_file_atomically(std::filesystem::path(folder) / images.scene_file_name,
+                                      {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
             if (!status) return status;
         }
     }

@@ -10,13 +10,13 @@
 
 namespace talbot::hardcases {
 
-// Float must stay this far below the Monte Carlo error of the same budget: relMSE as a share of its.
-// A tenth adds less than 5 % to the error of a picture.
+// Float must stay this far below the Monte Carlo error of the same budget: relMSE as a share of
+// its. A tenth adds less than 5 % to the error of a picture.
 inline constexpr double kTwinShareOfNoise = 0.1;
 // And samples that go the same way, this close: were all of it one-sided, a picture of samples that
-// spread by their own mean would show it from 1 / kTwinTogether^2, a million, samples a pixel on. No
-// bound of float itself stands behind it: before they count as parted, curved glass may magnify a
-// rounding up to twin::kParted.
+// spread by their own mean would show it from 1 / kTwinTogether^2, a million, samples a pixel on.
+// No bound of float itself stands behind it: before they count as parted, curved glass may magnify
+// a rounding up to twin::kParted.
 inline constexpr double kTwinTogether = 1e-3;
 // Standard errors that the mean may be off by.
 inline constexpr double kTwinBiasErrors = 4.5;

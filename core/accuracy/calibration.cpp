@@ -200,8 +200,9 @@ std::vector<std::string> broken_promises(const CalibrationSummary& s, bool whole
     constexpr double kMostBrightness = 0.5;
     if (!whole &&
         std::abs(s.stop_brightness_percent) > std::max(kMostBrightness, 3 * s.stop_brightness_sd)) {
-        broken.push_back("renders that stopped at a target with a green light are off in brightness by " +
-                         percent_text(s.stop_brightness_percent / 100) + ", promised 0.5 %");
+        broken.push_back(
+            "renders that stopped at a target with a green light are off in brightness by " +
+            percent_text(s.stop_brightness_percent / 100) + ", promised 0.5 %");
     }
     if (s.claims == 0) {
         if (whole) broken.push_back("no claim had a green light: nothing was proved");

@@ -93,12 +93,12 @@ struct Calibration {
 };
 
 struct CalibrationSummary {
-    std::size_t claims = 0;  // with a green light; everything below is of these
-    double coverage = 0;     // share of truths inside the 95 % interval
-    double coverage_sd = 0;  // by seeds, for the claims of one render are not independent
-    double ratio = 1;        // geometric mean of estimate over truth
-    double mean_width = 0;   // of ln(hi95 / lo95)
-    std::size_t predictions = 0;   // with a green light
+    std::size_t claims = 0;         // with a green light; everything below is of these
+    double coverage = 0;            // share of truths inside the 95 % interval
+    double coverage_sd = 0;         // by seeds, for the claims of one render are not independent
+    double ratio = 1;               // geometric mean of estimate over truth
+    double mean_width = 0;          // of ln(hi95 / lo95)
+    std::size_t predictions = 0;    // with a green light
     double predictions_inside = 0;  // share of these with the actual value in the 95 % band
     std::size_t predictions_firm = 0;
     // Of the firm ones: share with actual over predicted within 0.8 to 1.25, the same by the clock,
@@ -114,7 +114,7 @@ struct CalibrationSummary {
     // that stops where light is still missing makes pictures too dark.
     double stop_brightness_percent = 0;
     double stop_brightness_sd = 0;
-    double green = 0;       // share of all claims from kTrustSamples samples on, by light
+    double green = 0;  // share of all claims from kTrustSamples samples on, by light
     double amber = 0;
     double red = 0;
 };

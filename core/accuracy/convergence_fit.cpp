@@ -38,8 +38,8 @@ PowerLaw fit_power(std::span<const Point> points) {
     constexpr double kAlone = 1.05, kAloneSd = 0.13;
     constexpr double kLeastSlopeSd = 0.065;  // odd and even powers of two differ
     constexpr double kMostExponent = 3;
-    // The law is sure at 1 only, where all samples are independent; a slope far beyond that of edges
-    // is one of smooth light, of which no picture has nothing but.
+    // The law is sure at 1 only, where all samples are independent; a slope far beyond that of
+    // edges is one of smooth light, of which no picture has nothing but.
     constexpr double kDoubtOfLaw = 0.06, kDoubtOfSmooth = 0.6;
     constexpr double kEdges = 1.5, kRough = 1.65;
     if (points.size() == 1) return {kAlone, kAloneSd};
@@ -193,8 +193,8 @@ ConvergenceFit fit_convergence(std::span<const Octave> octaves) {
     constexpr double kScatterOfBoth = 2.5;
     const double own = octaves.back().standard_error / octaves.back().difference;
     const double by_exponent = level_slope(law.exponent) * law.standard_deviation;
-    fit.log_v_sd = std::hypot(std::sqrt(kScatterOfBoth) * own, by_exponent,
-                              law_and_denominator_sd(octaves));
+    fit.log_v_sd =
+        std::hypot(std::sqrt(kScatterOfBoth) * own, by_exponent, law_and_denominator_sd(octaves));
     return fit;
 }
 

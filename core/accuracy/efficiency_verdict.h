@@ -45,8 +45,8 @@ struct TimePair {
 // ... may use.
 double level_of_look(double level, uint64_t k);
 
-// |t| that Student's t with so many degrees of freedom (> 0, infinite for a Gaussian) exceeds with a
-// probability (Hill 1970, algorithm 396).
+// |t| that Student's t with so many degrees of freedom (> 0, infinite for a Gaussian) exceeds with
+// a probability (Hill 1970, algorithm 396).
 double student_quantile(double probability, double freedom);
 
 // `looks` is how many verdicts the comparison has asked for so far, this one included: the more,

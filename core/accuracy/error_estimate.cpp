@@ -235,13 +235,13 @@ void ErrorTracker::observe(const Film& film, uint64_t passes, double render_seco
     const bool doubled =
         state_.half_samples * 2 == passes && state_.memory.image.size() == film.pixels().size();
     if (doubled) {
-        state_.last = compare_octave(
-            film, state_.memory, metric_constant(static_cast<double>(state_.exposure_ev)), pool,
-            state_.plan);
+        state_.last = compare_octave(film, state_.memory,
+                                     metric_constant(static_cast<double>(state_.exposure_ev)), pool,
+                                     state_.plan);
         weigh_anew(state_.octaves, state_.last);
-        state_.octaves.push_back(
-            {passes, render_seconds, state_.last.difference, state_.last.standard_error, 1,
-             state_.last.active_share, state_.last.top_share});
+        state_.octaves.push_back({passes, render_seconds, state_.last.difference,
+                                  state_.last.standard_error, 1, state_.last.active_share,
+                                  state_.last.top_share});
         state_.seconds_per_sample = std::max(0.0, render_seconds - state_.half_seconds) /
                                     static_cast<double>(passes - passes / 2);
     } else {

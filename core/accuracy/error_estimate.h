@@ -39,7 +39,7 @@ struct ErrorEstimate {
     double worst_blocks_percent = 0;  // relRMSE that 1 % of the 8x8 blocks exceed
     double top_share = 0;             // of the error, in the 0.1 % of pixels with the largest
     double tail_index = 0;            // Pareto index of the largest blocks
-    double energy_drift = 0;  // of the image's mean over the last doubling, in standard deviations
+    double energy_drift = 0;   // of the image's mean over the last doubling, in standard deviations
     double brightness_sd = 0;  // of the image's mean, relative to it
     Trust trust = Trust::unknown;
     std::string why;  // one sentence for the trust
@@ -88,9 +88,9 @@ class ErrorTracker {
     struct State {
         float exposure_ev = 0;
         uint64_t first_sample = 0;
-        uint64_t passes = 0;      // at the last observe
-        bool adaptive = false;    // then blocks are sampled by `plan`,
-        float plan_ev = 0;        // decided after this exposure
+        uint64_t passes = 0;    // at the last observe
+        bool adaptive = false;  // then blocks are sampled by `plan`,
+        float plan_ev = 0;      // decided after this exposure
         SamplingPlan plan;
         uint64_t half_samples = 0;  // the last power of two
         double half_seconds = 0;

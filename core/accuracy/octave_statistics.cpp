@@ -255,9 +255,9 @@ class StripPass {
             blocks[y / kErrorBlock * columns + x / kErrorBlock] += q;
             if (images_.film == nullptr) continue;
             const bool resting = rests(start + x);
-            const double change = static_cast<double>(luminance(
-                resting ? unpack_difference(images_.packed[start + x])
-                        : Rgb(images_.full[start + x] - images_.half[start + x])));
+            const double change = static_cast<double>(
+                luminance(resting ? unpack_difference(images_.packed[start + x])
+                                  : Rgb(images_.full[start + x] - images_.half[start + x])));
             result.luminance_square += change * change;
             if (!resting) {
                 result.active_sum += wide;

@@ -44,8 +44,8 @@ std::vector<Vec3d> exact_image(const Film& film);
 OctaveStatistics compare_octave(const Film& film, OctaveMemory& memory, double metric_constant,
                                 WorkerPool* pool = nullptr, const SamplingPlan& plan = {});
 
-// The last octave that memory holds, seen again with another constant. r comes from one image alone,
-// so compare two results of this function, not one with compare_octave's. Changes nothing.
+// The last octave that memory holds, seen again with another constant. r comes from one image
+// alone, so compare two results of this function, not one with compare_octave's. Changes nothing.
 OctaveStatistics weigh_memory(OctaveMemory& memory, uint32_t width, double metric_constant,
                               WorkerPool* pool = nullptr);
 

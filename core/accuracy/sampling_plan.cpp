@@ -14,8 +14,8 @@ namespace {
 
 // The first octave in which blocks may rest, decided by what was seen half way to it.
 constexpr uint64_t kFirstPlan = 32;
-// A block lags behind the others by a factor of so much at most: what looks dark for a long time may
-// hold a light that is found late.
+// A block lags behind the others by a factor of so much at most: what looks dark for a long time
+// may hold a light that is found late.
 constexpr double kMostLag = 8;
 
 // The largest of the 3x3 blocks around each: an edge or a shadow does not end with a block.

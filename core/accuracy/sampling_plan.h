@@ -1,6 +1,7 @@
-// Adaptive sampling: which 8x8 blocks of an image get how many samples. Counts are decided at powers
-// of two of passes, for whole blocks and from whole blocks' errors, and stay powers of two at the
-// ends of octaves, so that scrambled sequences keep their nets and the differences their meaning.
+// Adaptive sampling: which 8x8 blocks of an image get how many samples. Counts are decided at
+// powers of two of passes, for whole blocks and from whole blocks' errors, and stay powers of two
+// at the ends of octaves, so that scrambled sequences keep their nets and the differences their
+// meaning.
 #pragma once
 
 #include <bit>

@@ -1,5 +1,6 @@
-// Invariant checks. TALBOT_CHECK is always on and ends the process with file and line; TALBOT_DCHECK only in debug and
-// sanitizer builds. They guard the core's own invariants, never user input (that is Result's work).
+// Invariant checks. TALBOT_CHECK is always on and ends the process with file and line;
+// TALBOT_DCHECK only in debug and sanitizer builds. They guard the core's own invariants, never
+// user input (that is Result's work).
 #pragma once
 
 #include <cstdio>

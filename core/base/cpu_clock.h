@@ -1,4 +1,5 @@
-// Processor time, which other programs on the machine do not stretch as they do the time on the wall.
+// Processor time, which other programs on the machine do not stretch as they do the time on the
+// wall.
 #pragma once
 
 namespace talbot {

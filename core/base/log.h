@@ -1,4 +1,5 @@
-// Messages for the user: one line each, to stderr, from any thread. Workers never log in their loops.
+// Messages for the user: one line each, to stderr, from any thread. Workers never log in their
+// loops.
 #pragma once
 
 #include <string_view>
@@ -12,8 +13,14 @@ LogLevel log_level();
 
 // Writes "talbot: [warning: ]message\n" when the level lets it through.
 void log(LogLevel level, std::string_view message);
-inline void log_error(std::string_view message) { log(LogLevel::error, message); }
-inline void log_warning(std::string_view message) { log(LogLevel::warning, message); }
-inline void log_info(std::string_view message) { log(LogLevel::info, message); }
+inline void log_error(std::string_view message) {
+    log(LogLevel::error, message);
+}
+inline void log_warning(std::string_view message) {
+    log(LogLevel::warning, message);
+}
+inline void log_info(std::string_view message) {
+    log(LogLevel::info, message);
+}
 
 }  // namespace talbot

@@ -1,5 +1,5 @@
-// Result<T>: a value or one Error, the only error type of the I/O edge. An Error is one clear line: which file, which
-// element, what is wrong and what to do.
+// Result<T>: a value or one Error, the only error type of the I/O edge. An Error is one clear line:
+// which file, which element, what is wrong and what to do.
 #pragma once
 
 #include <string>
@@ -10,7 +10,8 @@
 
 namespace talbot {
 
-// The kind decides the exit code (see app/exit_code.h): bad input 3, cannot write 4, usage 2, anything else 1.
+// The kind decides the exit code (see app/exit_code.h): bad input 3, cannot write 4, usage 2,
+// anything else 1.
 enum class ErrorKind { bad_input, cannot_write, usage, failed, cancelled };
 
 struct Error {

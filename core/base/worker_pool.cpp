@@ -76,7 +76,8 @@ void WorkerPool::run_worker(unsigned worker) {
             seen_round = round_;
         }
         try {
-            for (uint64_t i = next_.fetch_add(1); i < count_ && !stop_.stop_requested(); i = next_.fetch_add(1)) {
+            for (uint64_t i = next_.fetch_add(1); i < count_ && !stop_.stop_requested();
+                 i = next_.fetch_add(1)) {
                 (*body_)(i, worker);
             }
         } catch (...) {

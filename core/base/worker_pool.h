@@ -1,5 +1,6 @@
-// A fixed set of worker threads that run one parallel loop at a time. Deterministic work must not depend on which worker
-// runs which index. Workers run with denormals flushed to zero (see enter_worker_float_mode).
+// A fixed set of worker threads that run one parallel loop at a time. Deterministic work must not
+// depend on which worker runs which index. Workers run with denormals flushed to zero (see
+// enter_worker_float_mode).
 #pragma once
 
 #include <atomic>
@@ -27,9 +28,11 @@ class WorkerPool {
 
     unsigned size() const { return static_cast<unsigned>(threads_.size()); }
 
-    // Calls body(index, worker) for every index in [0, count), in rising order of start, and returns when all are done or
-    // stop was requested (then some indices were not started). Rethrows the first exception of a body. One caller at a time.
-    void parallel_for(uint64_t count, const std::function<void(uint64_t index, unsigned worker)>& body,
+    // Calls body(index, worker) for every index in [0, count), in rising order of start, and
+    // returns when all are done or stop was requested (then some indices were not started).
+    // Rethrows the first exception of a body. One caller at a time.
+    void parallel_for(uint64_t count,
+                      const std::function<void(uint64_t index, unsigned worker)>& body,
                       std::stop_token stop = {});
 
   private:

@@ -1,5 +1,6 @@
-// A fixed-point accumulator with 72 integer and 56 fraction bits. Integer addition is associative, so the sum of any samples
-// is the same bits in any order, split over any number of partial renders.
+// A fixed-point accumulator with 72 integer and 56 fraction bits. Integer addition is associative,
+// so the sum of any samples is the same bits in any order, split over any number of partial
+// renders.
 #pragma once
 
 #include <bit>
@@ -10,7 +11,8 @@ namespace talbot {
 
 class ExactSum {
   public:
-    // Magnitudes above do not fit; the film clamps and counts them. 2^30 samples of this size still make no overflow.
+    // Magnitudes above do not fit; the film clamps and counts them. 2^30 samples of this size still
+    // make no overflow.
     static constexpr float kLimit = 0x1p41f;
 
     // Adds a finite x with |x| <= kLimit, truncated to a multiple of 2^-56.
@@ -26,7 +28,8 @@ class ExactSum {
     bool operator==(const ExactSum&) const = default;
 
   private:
-    using Bits = unsigned __int128;  // two's complement; unsigned, so that no order of addition can overflow on the way
+    using Bits = unsigned __int128;  // two's complement; unsigned, so that no order of addition can
+                                     // overflow on the way
 
     static double magnitude(Bits bits) {
         return static_cast<double>(static_cast<int64_t>(bits >> 64)) * 0x1p8 +

@@ -1,5 +1,6 @@
-// The film: per pixel exact sums, 64-bit counts and coverage. Nothing is dropped silently: non-finite and negative samples
-// enter as zero and are counted, with the first one's pixel and sample to replay.
+// The film: per pixel exact sums, 64-bit counts and coverage. Nothing is dropped silently:
+// non-finite and negative samples enter as zero and are counted, with the first one's pixel and
+// sample to replay.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +26,8 @@ struct NonFiniteCount {
     uint64_t first_sample = 0;
 
     uint64_t total() const { return nan + inf + negative + overflow; }
-    // Adds other's counts; the first event is the one with the lower (sample, y, x), whatever the order of merging.
+    // Adds other's counts; the first event is the one with the lower (sample, y, x), whatever the
+    // order of merging.
     void merge(const NonFiniteCount& other);
 };
 
@@ -35,7 +37,9 @@ struct FilmPixel {
     uint64_t covered = 0;  // samples whose camera path met a surface before the environment
 
     // The largest of the three sums.
-    double largest_sum() const { return std::max({sum[0].value(), sum[1].value(), sum[2].value()}); }
+    double largest_sum() const {
+        return std::max({sum[0].value(), sum[1].value(), sum[2].value()});
+    }
 
     bool operator==(const FilmPixel&) const = default;
 };
@@ -47,16 +51,23 @@ class Film {
 
     uint32_t width() const { return width_; }
     uint32_t height() const { return height_; }
-    FilmPixel& pixel(uint32_t x, uint32_t y) { return pixels_[static_cast<std::size_t>(y) * width_ + x]; }
-    const FilmPixel& pixel(uint32_t x, uint32_t y) const { return pixels_[static_cast<std::size_t>(y) * width_ + x]; }
+    FilmPixel& pixel(uint32_t x, uint32_t y) {
+        return pixels_[static_cast<std::size_t>(y) * width_ + x];
+    }
+    const FilmPixel& pixel(uint32_t x, uint32_t y) const {
+        return pixels_[static_cast<std::size_t>(y) * width_ + x];
+    }
     const std::vector<FilmPixel>& pixels() const { return pixels_; }
     std::vector<FilmPixel>& pixels() { return pixels_; }
 
-    // Adds one sample. Different pixels may be added to from different threads; counts go to the caller's own record.
-    void add(uint32_t x, uint32_t y, const Rgb& radiance, bool covered, uint64_t sample, NonFiniteCount& counts);
-    // The same, and notes the sample in the log where it is not usable or stands out. A pixel's samples come one by one.
-    void add(uint32_t x, uint32_t y, const Rgb& radiance, bool covered, uint64_t sample, NonFiniteCount& counts,
-             SampleLog& log);
+    // Adds one sample. Different pixels may be added to from different threads; counts go to the
+    // caller's own record.
+    void add(uint32_t x, uint32_t y, const Rgb& radiance, bool covered, uint64_t sample,
+             NonFiniteCount& counts);
+    // The same, and notes the sample in the log where it is not usable or stands out. A pixel's
+    // samples come one by one.
+    void add(uint32_t x, uint32_t y, const Rgb& radiance, bool covered, uint64_t sample,
+             NonFiniteCount& counts, SampleLog& log);
 
     void clear();
 
@@ -70,7 +81,8 @@ class Film {
     // Means; pixels without a sample are black. With alpha, rgb is as accumulated (premultiplied).
     ImageRgba image(bool with_alpha) const;
 
-    // SHA-256 in hex over size, sums, counts and coverage: equal for equal films on every machine of one byte order.
+    // SHA-256 in hex over size, sums, counts and coverage: equal for equal films on every machine
+    // of one byte order.
     std::string hash() const;
 
   private:

@@ -1,5 +1,5 @@
-// Samples worth a second look: those that were not usable, and those far above their pixel's mean. Bounded lists that hold
-// the same samples whatever the number of threads and the order of tiles.
+// Samples worth a second look: those that were not usable, and those far above their pixel's mean.
+// Bounded lists that hold the same samples whatever the number of threads and the order of tiles.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,5 @@
-// From scene-linear radiance to display: exposure, tone curve, sRGB. The shader shaders/display.frag is this file's twin.
+// From scene-linear radiance to display: exposure, tone curve, sRGB. The shader
+// shaders/display.frag is this file's twin.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// Output variables of camera rays and of whole paths, from passes of their own: functions of scene, pixel and sample index like
-// the image itself, of the same samples, and of no cost to it.
+// Output variables of camera rays and of whole paths, from passes of their own: functions of scene,
+// pixel and sample index like the image itself, of the same samples, and of no cost to it.
 #pragma once
 
 #include <stop_token>
@@ -12,8 +12,8 @@
 namespace talbot {
 
 // One sample of a variable that is not of the film.
-Rgb aov_sample(Aov aov, const RenderScene& scene, const CameraRays& camera, const PathSettings& settings, uint32_t x, uint32_t y,
-               uint64_t sample_index);
+Rgb aov_sample(Aov aov, const RenderScene& scene, const CameraRays& camera,
+               const PathSettings& settings, uint32_t x, uint32_t y, uint64_t sample_index);
 
 // Gathers samples of one variable.
 class AovBuffer {
@@ -23,9 +23,10 @@ class AovBuffer {
 
     Aov aov() const { return aov_; }
     uint32_t samples() const { return samples_; }
-    // One more sample of every pixel, those of index first_sample + samples(). False when it was stopped; then nothing counts.
-    bool add_pass(const RenderScene& scene, const CameraRays& camera, const PathSettings& settings, uint64_t first_sample,
-                  WorkerPool& pool, const std::stop_token& stop);
+    // One more sample of every pixel, those of index first_sample + samples(). False when it was
+    // stopped; then nothing counts.
+    bool add_pass(const RenderScene& scene, const CameraRays& camera, const PathSettings& settings,
+                  uint64_t first_sample, WorkerPool& pool, const std::stop_token& stop);
     // The means, or the first samples of what is not averaged.
     AovImage image() const;
 

@@ -116,9 +116,8 @@ struct AnisotropyFactors {
 };
 // The direction comes from the texture, turned by the rotation, in the plane of the shading normal.
 template <EffectSet kTier, typename Point>
-[[gnu::noinline]] AnisotropyFactors eval_anisotropy(const Scene& scene, const Material& m,
-                                                    Point uv, Vec3f n, Vec3f any_tangent,
-                                                    Tangent known) {
+[[gnu::noinline]] AnisotropyFactors eval_anisotropy(const Scene& scene, const Material& m, Point uv,
+                                                    Vec3f n, Vec3f any_tangent, Tangent known) {
     AnisotropyFactors result{Vec3f(0), m.anisotropy_strength};
     Vec2f direction(1, 0);
     if (m.anisotropy_texture.used()) {

@@ -4,7 +4,7 @@
 namespace talbot {
 
 void render_tile_filtered(const TileJob& job, const std::stop_token& stop, TileCounts& counts) {
-    render_tile<kFilteredTier & (kCompiledEffects | kRayCones)>(job, stop, counts);
+    render_tile<kFilteredTier&(kCompiledEffects | kRayCones)>(job, stop, counts);
 }
 
 }  // namespace talbot

@@ -20,7 +20,8 @@ Vec4f eval_base_color(const Scene& scene, const Material& material, const Surfac
             auto at = texture_point(si, footprint);
             if constexpr (std::is_same_v<Footprint, TextureFootprint>)
                 at.by_alpha = material.alpha_mode != AlphaMode::opaque;
-            color *= eval_slot<kTier>(scene, material.base_color_texture, at, TextureEncoding::srgb);
+            color *=
+                eval_slot<kTier>(scene, material.base_color_texture, at, TextureEncoding::srgb);
         }
     }
     return color;

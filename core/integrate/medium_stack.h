@@ -1,6 +1,6 @@
-// Which volumes a path is inside of. Where they overlap, the one of highest priority fills the space, of equals the one entered
-// last; the boundaries of the others are no surfaces there (Schmidt and Budge 2002, "Simple nested dielectrics in ray traced
-// images").
+// Which volumes a path is inside of. Where they overlap, the one of highest priority fills the
+// space, of equals the one entered last; the boundaries of the others are no surfaces there
+// (Schmidt and Budge 2002, "Simple nested dielectrics in ray traced images").
 #pragma once
 
 #include <array>
@@ -22,8 +22,8 @@ class MediumStack {
     uint32_t top(std::span<const Material> materials) const {
         uint32_t best = kVacuum;
         for (uint32_t i = 0; i < count_; ++i) {
-            if (best == kVacuum || materials[inside_[i]].nested_priority >=
-                                       materials[best].nested_priority)
+            if (best == kVacuum ||
+                materials[inside_[i]].nested_priority >= materials[best].nested_priority)
                 best = inside_[i];
         }
         return best;
@@ -55,9 +55,9 @@ class MediumStack {
 
 // A path at the boundary of a volume.
 struct Crossing {
-    bool real = true;        // false: another volume fills both sides
+    bool real = true;          // false: another volume fills both sides
     uint32_t other = kVacuum;  // what lies on the boundary's outer side
-    MediumStack after;       // for a path that goes through
+    MediumStack after;         // for a path that goes through
 };
 
 // entering: the path meets the boundary's front. A body that is met from a side where it should not

@@ -31,8 +31,7 @@ PathSample PathSorter::trace(uint32_t x, uint32_t y, uint64_t sample_index) {
     sharp_ = broad_ = 0;
     last_sharp_ = false;
     in_media_ = false;
-    const PathSample sample =
-        observe_path(scene_, camera_, settings_, x, y, sample_index, *this);
+    const PathSample sample = observe_path(scene_, camera_, settings_, x, y, sample_index, *this);
     // An unlit surface ends the path without a word.
     add(kind(), end_of_ray(), sample.Li - sorted_);
     return sample;

@@ -24,7 +24,7 @@ struct ReplayedPath {
     Rgb radiance{0};
     Vec3d start{0};  // on the lens, world
     std::vector<Vertex> vertices;
-    bool escapes = false;    // its last ray meets nothing
+    bool escapes = false;     // its last ray meets nothing
     Vec3d last_direction{0};  // of that ray
     std::string log;
 };

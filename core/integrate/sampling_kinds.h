@@ -1,4 +1,5 @@
-// The kinds of sampler, pixel filter and texture filtering, each with its words for the command line and the panel.
+// The kinds of sampler, pixel filter and texture filtering, each with its words for the command
+// line and the panel.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// What a ray's cone covers of a surface's textures, and lookups with and without it. A shading point
-// is looked up as what it is given as: by UvSets alone, or filtered, by a FilteredPoint.
+// What a ray's cone covers of a surface's textures, and lookups with and without it. A shading
+// point is looked up as what it is given as: by UvSets alone, or filtered, by a FilteredPoint.
 #pragma once
 
 #include <cmath>
@@ -37,7 +37,8 @@ struct FilteredPoint : UvSets {
 inline UvSets texture_point(const SurfaceInteraction& si, Unfiltered) {
     return uv_sets(si);
 }
-inline FilteredPoint texture_point(const SurfaceInteraction& si, const TextureFootprint& footprint) {
+inline FilteredPoint texture_point(const SurfaceInteraction& si,
+                                   const TextureFootprint& footprint) {
     return {{si.uv[0], si.uv[1]}, footprint};
 }
 

@@ -17,8 +17,7 @@ void render_tile(const TileJob& job, const std::stop_token& stop, TileCounts& co
                 const uint64_t index = job.first_sample + pixel.samples;
                 const PathSample sample = trace_path<kTier>(*job.scene, *job.camera, *job.settings,
                                                             x, y, index, recorder);
-                job.film->add(x, y, sample.Li, sample.covered, index, counts.nonfinite,
-                              counts.log);
+                job.film->add(x, y, sample.Li, sample.covered, index, counts.nonfinite, counts.log);
                 ++counts.samples;
                 counts.rays += sample.rays;
             }

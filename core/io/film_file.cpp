@@ -355,12 +355,12 @@ Result<FilmFile> load_film(const std::filesystem::path& path) {
     }
     const uint64_t payload = body.size() - kPrefixBytes - header_bytes;
     const uint64_t films = 1 + file.error.marks.size();
-    const bool fits =
-        tables.half <= pixels && tables.differences <= pixels && tables.blocks <= pixels &&
-        tables.plan <= pixels &&
-        payload == films * pixels * sizeof(FilmPixel) + tables.half * sizeof(Vec3d) +
-                       tables.differences * sizeof(uint32_t) + tables.blocks * sizeof(float) +
-                       tables.plan * (sizeof(uint8_t) + sizeof(float));
+    const bool fits = tables.half <= pixels && tables.differences <= pixels &&
+                      tables.blocks <= pixels && tables.plan <= pixels &&
+                      payload == films * pixels * sizeof(FilmPixel) + tables.half * sizeof(Vec3d) +
+                                     tables.differences * sizeof(uint32_t) +
+                                     tables.blocks * sizeof(float) +
+                                     tables.plan * (sizeof(uint8_t) + sizeof(float));
     if (!fits) return unreadable(path, "is truncated or altered (its length does not fit)");
     Sha256 hash;
     hash.add(body);
@@ -400,8 +400,9 @@ Status append_film(FilmFile& whole, const FilmFile& part, const std::string& par
     if (a.settings != b.settings || a.transparent_background != b.transparent_background)
         return refuse("was rendered with other settings than the films before it");
     if (whole.error.adaptive || part.error.adaptive) {
-        return refuse("was sampled with --adaptive, where a block's count depends on all samples "
-                      "before; render it in one run, or its parts without");
+        return refuse(
+            "was sampled with --adaptive, where a block's count depends on all samples "
+            "before; render it in one run, or its parts without");
     }
     const uint64_t passes = whole.film.min_samples();
     for (const FilmPixel& p : whole.film.pixels()) {

@@ -183,8 +183,7 @@ class GltfLoader {
                 job.primitive = kept->second;
                 return;
             }
-            auto loaded =
-                load_primitive(loading_.document, request, loading_.budget, max_bytes);
+            auto loaded = load_primitive(loading_.document, request, loading_.budget, max_bytes);
             if (loaded) job.primitive = std::move(loaded.value());
             if (!loaded) job.error = loaded.error();
         }
@@ -336,6 +335,10 @@ GltfFile::~GltfFile() = default;
 
 const GltfChoices& GltfFile::choices() const {
     return state_->choices;
+}
+
+const std::vector<std::filesystem::path>& GltfFile::other_files() const {
+    return state_->document.other_files;
 }
 
 Result<std::string> GltfFile::moving_property(double from, double to) const {

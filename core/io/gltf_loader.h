@@ -1,5 +1,5 @@
-// glTF 2.0 files (.gltf, .glb) to a SceneDesc; the only includer of tinygltf. Every index, count, size and number of the file
-// is checked here: what passes cannot break the core.
+// glTF 2.0 files (.gltf, .glb) to a SceneDesc; the only includer of tinygltf. Every index, count,
+// size and number of the file is checked here: what passes cannot break the core.
 #pragma once
 
 #include <filesystem>
@@ -30,10 +30,11 @@ struct LoadOptions {
     uint64_t max_bytes = 8ull << 30;       // over this the decoded scene is refused
     unsigned threads = 0;                  // for decoding images; 0 = all cores
     std::stop_token stop;
-    std::function<void(float fraction, const char* stage)> progress;  // called from the loading thread
+    std::function<void(float fraction, const char* stage)>
+        progress;  // called from the loading thread
 
-    // The second of the animations that is read, and at which the shutter opens: one without an animation time opens at 0.
-    // Empty is the rest pose.
+    // The second of the animations that is read, and at which the shutter opens: one without an
+    // animation time opens at 0. Empty is the rest pose.
     std::optional<double> moment() const {
         if (animation_time || !(shutter_seconds > 0)) return animation_time;
         return 0.0;
@@ -55,18 +56,24 @@ struct GltfChoices {
     double last_key() const;  // of all animations, seconds; 0 without any
 };
 
-// A file that was parsed once and can be read again in another scene, variant or moment. Its images, and meshes that nothing
-// deforms, are decoded once.
+// A file that was parsed once and can be read again in another scene, variant or moment. Its
+// images, and meshes that nothing deforms, are decoded once.
 class GltfFile {
   public:
-    // Uses max_bytes, stop and progress of the options. Bad input gives ErrorKind::bad_input with the file, the element (e.g.
-    // "accessors[3]") and what to do; a stop request gives ErrorKind::cancelled.
-    static Result<std::shared_ptr<GltfFile>> open(const std::filesystem::path& file, const LoadOptions& options = {});
+    // Uses max_bytes, stop and progress of the options. Bad input gives ErrorKind::bad_input with
+    // the file, the element (e.g. "accessors[3]") and what to do; a stop request gives
+    // ErrorKind::cancelled.
+    static Result<std::shared_ptr<GltfFile>> open(const std::filesystem::path& file,
+                                                  const LoadOptions& options = {});
     ~GltfFile();
 
     const GltfChoices& choices() const;
 
-    // What moves from one second of the animations to a later one, in words; empty where nothing does.
+    // The files beside the main one that its buffers and images name, there or not.
+    const std::vector<std::filesystem::path>& other_files() const;
+
+    // What moves from one second of the animations to a later one, in words; empty where nothing
+    // does.
     Result<std::string> moving_property(double from, double to) const;
 
     // For any thread; one reads at a time, others wait.

@@ -70,8 +70,10 @@ void EmissionMap::sum_blocks(const Image8& image, const Rgb& factor) {
 
 double EmissionMap::mean(const Vec2f& lower, const Vec2f& upper) const {
     if (!texture_.image) return mean_;
-    const TexelRuns across = texels_between(lower.x, upper.x, texture_.image->width, texture_.wrap_u);
-    const TexelRuns down = texels_between(lower.y, upper.y, texture_.image->height, texture_.wrap_v);
+    const TexelRuns across =
+        texels_between(lower.x, upper.x, texture_.image->width, texture_.wrap_u);
+    const TexelRuns down =
+        texels_between(lower.y, upper.y, texture_.image->height, texture_.wrap_v);
     const std::size_t stride = std::size_t{blocks_x_} + 1;
     double sum = 0;
     double texels = 0;

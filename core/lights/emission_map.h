@@ -1,5 +1,5 @@
-// How bright an emissive texture is over parts of it: block sums, so that a triangle's power is that of its own texels and a
-// triangle that shows none but black ones is known not to be a light.
+// How bright an emissive texture is over parts of it: block sums, so that a triangle's power is
+// that of its own texels and a triangle that shows none but black ones is known not to be a light.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // The environment as a light: radiance by direction, and sampling of images by what each cell sends
-// (EnvironmentSampling). Directions are world directions, unit length, pointing away from the scene;
-// densities per solid angle.
+// (EnvironmentSampling). Directions are world directions, unit length, pointing away from the
+// scene; densities per solid angle.
 #pragma once
 
 #include <memory>

@@ -7,7 +7,7 @@
 namespace talbot {
 
 struct SunDisc {
-    Vec3f to{0, 1, 0};        // the middle
+    Vec3f to{0, 1, 0};         // the middle
     double one_minus_cos = 0;  // of the angular radius
     Rgb radiance{0};
     float pdf = 0;  // of light sampling, with the choice of the light

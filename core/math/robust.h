@@ -26,7 +26,8 @@ inline constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
 // GGX alpha below which a surface is a perfect mirror or a smooth interface in every routine alike.
 inline constexpr float kDeltaAlpha = 1e-3f;
 
-// Reflectance under a thin film is kept below this, so that the series of its reflections converges.
+// Reflectance under a thin film is kept below this, so that the series of its reflections
+// converges.
 inline constexpr float kLargestFilmBase = 0.9999f;
 
 // Least cosine to the normal at which sheen is evaluated: its value has 1 / cosine.

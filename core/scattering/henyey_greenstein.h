@@ -1,6 +1,7 @@
-// The phase function of Henyey and Greenstein 1941: how a particle turns light. g in (-1, 1) is the mean cosine between the
-// directions of travel before and after. Written with a = |g| and t = 1 - cos, which loses no digits for any g: the textbook
-// form divides a difference by g and cancels near both ends.
+// The phase function of Henyey and Greenstein 1941: how a particle turns light. g in (-1, 1) is the
+// mean cosine between the directions of travel before and after. Written with a = |g| and t = 1 -
+// cos, which loses no digits for any g: the textbook form divides a difference by g and cancels
+// near both ends.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// A homogeneous medium inside a closed volume: light is absorbed, and scattered where the material says so
-// (KHR_materials_volume, KHR_materials_volume_scatter). Coefficients are per metre.
+// A homogeneous medium inside a closed volume: light is absorbed, and scattered where the material
+// says so (KHR_materials_volume, KHR_materials_volume_scatter). Coefficients are per metre.
 #pragma once
 
 #include <algorithm>
@@ -38,8 +38,7 @@ inline Rgb single_scatter_albedo(const Material& material) {
     for (int c = 0; c < 3; ++c) {
         const double m = clamp01(material.multiscatter_color[c]);
         if (!(m > 0)) continue;
-        const double s =
-            4.09712 + 4.20863 * m - std::sqrt(9.59217 + 41.6808 * m + 17.7126 * m * m);
+        const double s = 4.09712 + 4.20863 * m - std::sqrt(9.59217 + 41.6808 * m + 17.7126 * m * m);
         const double g = material.scatter_anisotropy;
         albedo[c] = clamp01(static_cast<float>((1 - s * s) / (1 - g * s * s)));
     }
@@ -70,8 +69,8 @@ inline Rgb transmittance(const Rgb& sigma, float distance) {
         if (!(sigma[c] > 0) || !(distance > 0)) continue;
         const double depth = static_cast<double>(sigma[c]) * distance;
         const auto rounded = static_cast<float>(depth);
-        t[c] = depth < kOpaque ? std::exp(-rounded) * (1 - static_cast<float>(depth - rounded))
-                               : 0.0f;
+        t[c] =
+            depth < kOpaque ? std::exp(-rounded) * (1 - static_cast<float>(depth - rounded)) : 0.0f;
     }
     return t;
 }

@@ -37,8 +37,8 @@ class AlphaPyramid {
 };
 
 struct MeshAlpha {
-    TextureSlot slot;   // what was looked at
-    AlphaRange whole;   // over all triangles
+    TextureSlot slot;  // what was looked at
+    AlphaRange whole;  // over all triangles
     std::vector<AlphaRange> triangles;
 };
 

@@ -115,7 +115,8 @@ Ray CameraRays::ray(float px, float py, const Vec2f& lens) const {
 }
 
 RayCone CameraRays::cone(const Ray& ray) const {
-    const double side = 2 * std::sqrt(scale_x_ * scale_y_ / (static_cast<double>(width_) * height_));
+    const double side =
+        2 * std::sqrt(scale_x_ * scale_y_ / (static_cast<double>(width_) * height_));
     if (kind_ == CameraKind::orthographic) return {static_cast<float>(side), 0};
     // The window at distance 1 is seen from further away and aslant.
     const double cosine = -dot(Vec3d(ray.d), axes_[2]);

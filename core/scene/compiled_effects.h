@@ -1,6 +1,6 @@
 // The effects that this build has: all of them. A build without one (CMake: TALBOT_WITHOUT_EFFECT)
-// is the yardstick of bench/effects_cost.py: what the effect costs scenes that do not use it. Such a
-// build must not be given scenes that do.
+// is the yardstick of bench/effects_cost.py: what the effect costs scenes that do not use it. Such
+// a build must not be given scenes that do.
 #pragma once
 
 #include "core/scene/effects.h"

@@ -1,5 +1,6 @@
-// Effects: what a scene can ask of the renderer. An EffectSet says which of them can change a pixel; a kernel tier is compiled
-// for an EffectSet; the smallest tier that covers the scene runs. The table below is the one list of them all.
+// Effects: what a scene can ask of the renderer. An EffectSet says which of them can change a
+// pixel; a kernel tier is compiled for an EffectSet; the smallest tier that covers the scene runs.
+// The table below is the one list of them all.
 #pragma once
 
 #include <array>
@@ -57,7 +58,8 @@ struct EffectInfo {
 
 inline constexpr std::array<EffectInfo, kEffectCount> kEffects{{
     {Effect::base_color_texture, "base_color_texture", "Base colour textures"},
-    {Effect::metallic_roughness_texture, "metallic_roughness_texture", "Metallic-roughness textures"},
+    {Effect::metallic_roughness_texture, "metallic_roughness_texture",
+     "Metallic-roughness textures"},
     {Effect::normal_map, "normal_map", "Normal maps"},
     {Effect::emissive_texture, "emissive_texture", "Emissive textures"},
     {Effect::vertex_color, "vertex_color", "Vertex colours"},
@@ -94,7 +96,9 @@ inline constexpr std::array<EffectInfo, kEffectCount> kEffects{{
 struct EffectSet {
     uint64_t bits = 0;
 
-    static constexpr uint64_t bit(Effect effect) { return uint64_t{1} << static_cast<unsigned>(effect); }
+    static constexpr uint64_t bit(Effect effect) {
+        return uint64_t{1} << static_cast<unsigned>(effect);
+    }
     static constexpr EffectSet all() { return EffectSet{(uint64_t{1} << kEffectCount) - 1}; }
 
     constexpr bool has(Effect effect) const { return (bits & bit(effect)) != 0; }
@@ -106,10 +110,16 @@ struct EffectSet {
     constexpr bool operator==(const EffectSet&) const = default;
 };
 
-constexpr EffectSet operator|(Effect a, Effect b) { return EffectSet{EffectSet::bit(a) | EffectSet::bit(b)}; }
-constexpr EffectSet operator|(EffectSet a, Effect b) { return EffectSet{a.bits | EffectSet::bit(b)}; }
+constexpr EffectSet operator|(Effect a, Effect b) {
+    return EffectSet{EffectSet::bit(a) | EffectSet::bit(b)};
+}
+constexpr EffectSet operator|(EffectSet a, Effect b) {
+    return EffectSet{a.bits | EffectSet::bit(b)};
+}
 
-constexpr const EffectInfo& effect_info(Effect effect) { return kEffects[static_cast<std::size_t>(effect)]; }
+constexpr const EffectInfo& effect_info(Effect effect) {
+    return kEffects[static_cast<std::size_t>(effect)];
+}
 std::optional<Effect> effect_from_name(std::string_view name);
 
 // What a scene asks for, and which part of it asks (empty where the effect is absent).

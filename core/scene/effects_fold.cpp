@@ -108,7 +108,9 @@ class Folder {
     void fold_normal(TextureSlot& slot, float scale) const {
         if (!slot.used()) return;
         const TexelRange& range = scene_.texel_range(slot.texture);
-        const auto flat = [&](std::size_t c) { return range.least[c] >= 127 && range.most[c] <= 128; };
+        const auto flat = [&](std::size_t c) {
+            return range.least[c] >= 127 && range.most[c] <= 128;
+        };
         if (scale == 0 || (flat(0) && flat(1))) drop(slot);
     }
 

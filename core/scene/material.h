@@ -1,4 +1,5 @@
-// A glTF material as plain data: every factor under its glTF name, with glTF's default. Edited as a value by the viewer.
+// A glTF material as plain data: every factor under its glTF name, with glTF's default. Edited as a
+// value by the viewer.
 #pragma once
 
 #include <cstdint>
@@ -21,15 +22,16 @@ struct Material {
     Vec4f base_color_factor{1, 1, 1, 1};  // linear RGB and alpha
     TextureSlot base_color_texture;       // sRGB, A = alpha
     float metallic_factor = 1;
-    float roughness_factor = 1;               // perceptual; GGX alpha = roughness^2
-    TextureSlot metallic_roughness_texture;   // G = roughness, B = metallic
+    float roughness_factor = 1;              // perceptual; GGX alpha = roughness^2
+    TextureSlot metallic_roughness_texture;  // G = roughness, B = metallic
 
     TextureSlot normal_texture;
     float normal_scale = 1;
 
-    Rgb emissive_factor{0};         // times emissive_strength: radiance in nits, front side only unless double_sided
-    float emissive_strength = 1;    // KHR_materials_emissive_strength
-    TextureSlot emissive_texture;   // sRGB
+    Rgb emissive_factor{
+        0};  // times emissive_strength: radiance in nits, front side only unless double_sided
+    float emissive_strength = 1;   // KHR_materials_emissive_strength
+    TextureSlot emissive_texture;  // sRGB
 
     AlphaMode alpha_mode = AlphaMode::opaque;
     float alpha_cutoff = 0.5f;
@@ -38,31 +40,34 @@ struct Material {
 
     float ior = 1.5f;  // KHR_materials_ior; 0 means Fresnel 1 everywhere, else >= 1
 
-    float specular_factor = 1;         // KHR_materials_specular
-    TextureSlot specular_texture;      // A
-    Rgb specular_color_factor{1};      // may exceed 1
+    float specular_factor = 1;           // KHR_materials_specular
+    TextureSlot specular_texture;        // A
+    Rgb specular_color_factor{1};        // may exceed 1
     TextureSlot specular_color_texture;  // sRGB
 
     float transmission_factor = 0;     // KHR_materials_transmission
     TextureSlot transmission_texture;  // R
 
     float thickness_factor = 0;  // KHR_materials_volume; 0 = thin-walled, > 0 = closed volume
-    Rgb attenuation_color{1};    // white light's colour after attenuation_distance metres of world length
+    Rgb attenuation_color{
+        1};  // white light's colour after attenuation_distance metres of world length
     float attenuation_distance = std::numeric_limits<float>::infinity();
 
-    Rgb multiscatter_color{0};     // KHR_materials_volume_scatter: what a thick body returns; volumes only
+    Rgb multiscatter_color{
+        0};  // KHR_materials_volume_scatter: what a thick body returns; volumes only
     float scatter_anisotropy = 0;  // Henyey-Greenstein's g, in (-1, 1)
-    float nested_priority = 0;     // extras.nestedPriority: where volumes overlap, the highest fills the space
+    float nested_priority =
+        0;  // extras.nestedPriority: where volumes overlap, the highest fills the space
 
     float dispersion = 0;  // KHR_materials_dispersion: 20 / Abbe number; volumes only
 
-    float diffuse_transmission_factor = 0;  // KHR_materials_diffuse_transmission
+    float diffuse_transmission_factor = 0;     // KHR_materials_diffuse_transmission
     TextureSlot diffuse_transmission_texture;  // A
     Rgb diffuse_transmission_color_factor{1};
     TextureSlot diffuse_transmission_color_texture;  // sRGB
 
-    float clearcoat_factor = 0;      // KHR_materials_clearcoat
-    TextureSlot clearcoat_texture;   // R
+    float clearcoat_factor = 0;     // KHR_materials_clearcoat
+    TextureSlot clearcoat_texture;  // R
     float clearcoat_roughness_factor = 0;
     TextureSlot clearcoat_roughness_texture;  // G
     TextureSlot clearcoat_normal_texture;
@@ -87,12 +92,12 @@ struct Material {
     bool operator==(const Material&) const = default;
 
     bool is_emissive() const {
-        return emissive_strength > 0 && (emissive_factor.x > 0 || emissive_factor.y > 0 || emissive_factor.z > 0);
+        return emissive_strength > 0 &&
+               (emissive_factor.x > 0 || emissive_factor.y > 0 || emissive_factor.z > 0);
     }
     // Whether light can pass its surface into a closed volume.
     bool is_volume() const {
-        return (transmission_factor > 0 || diffuse_transmission_factor > 0) &&
-               thickness_factor > 0;
+        return (transmission_factor > 0 || diffuse_transmission_factor > 0) && thickness_factor > 0;
     }
     // Whether the volume scatters light inside. Without attenuation there is nothing to scatter.
     bool scatters() const {

@@ -1,5 +1,6 @@
-// The scene that is rendered: immutable tables addressed by index. Heavy tables are shared between a scene and its edited
-// copies. Geometry is re-centred: float coordinates are world coordinates minus origin().
+// The scene that is rendered: immutable tables addressed by index. Heavy tables are shared between
+// a scene and its edited copies. Geometry is re-centred: float coordinates are world coordinates
+// minus origin().
 #pragma once
 
 #include <functional>
@@ -20,22 +21,22 @@ namespace talbot {
 struct SceneInstance {
     uint32_t mesh = 0;
     uint32_t object = 0;
-    bool identity = true;         // then the mesh is stored in re-centred world coordinates
-    bool mirrored = false;        // negative determinant: the winding's normal is flipped
-    Mat4d world_from_object{1.0};  // re-centred
-    Mat3f linear{1.0f};            // its linear part
+    bool identity = true;            // then the mesh is stored in re-centred world coordinates
+    bool mirrored = false;           // negative determinant: the winding's normal is flipped
+    Mat4d world_from_object{1.0};    // re-centred
+    Mat3f linear{1.0f};              // its linear part
     Mat3f normal_from_object{1.0f};  // cofactor matrix, for normals
     uint32_t material = 0;
 };
 
 // Geometry tables that edits never touch.
 struct SceneGeometry {
-    std::vector<Mesh> meshes;              // baked to re-centred world where used once
+    std::vector<Mesh> meshes;  // baked to re-centred world where used once
     std::vector<SceneInstance> instances;
-    std::vector<Sphere> spheres;           // centres re-centred
+    std::vector<Sphere> spheres;  // centres re-centred
     std::vector<Object> objects;
     Vec3d origin{0};
-    Bounds bounds;                         // re-centred; empty when there is nothing
+    Bounds bounds;  // re-centred; empty when there is nothing
     std::shared_ptr<const Accel> accel;
 };
 
@@ -56,7 +57,8 @@ struct SceneBuildOptions {
 class Scene {
   public:
     // Takes the loader's tables. Null only when stop was requested.
-    static std::shared_ptr<const Scene> build(SceneDesc desc, WorkerPool& pool, const SceneBuildOptions& options = {});
+    static std::shared_ptr<const Scene> build(SceneDesc desc, WorkerPool& pool,
+                                              const SceneBuildOptions& options = {});
 
     const SceneGeometry& geometry() const { return *geometry_; }
     const Accel& accel() const { return *geometry_->accel; }
@@ -94,12 +96,13 @@ class Scene {
                                               : geometry_->instances[id.instance].object;
     }
 
-    // World-space bounds of everything or of one object; empty bounds give a unit box round the origin.
+    // World-space bounds of everything or of one object; empty bounds give a unit box round the
+    // origin.
     void world_bounds(Vec3d& lower, Vec3d& upper) const;
     void object_bounds(uint32_t object, Vec3d& lower, Vec3d& upper) const;
 
-    // Edited copies that share all heavy tables. A change that alters which instances are filtered (alpha mode, sidedness) is
-    // answered from the material at hit time, so no rebuild is needed.
+    // Edited copies that share all heavy tables. A change that alters which instances are filtered
+    // (alpha mode, sidedness) is answered from the material at hit time, so no rebuild is needed.
     std::shared_ptr<const Scene> with_material(uint32_t index, Material material) const;
     std::shared_ptr<const Scene> with_materials(std::vector<Material> materials) const;
     std::shared_ptr<const Scene> with_geometry(std::shared_ptr<const SceneGeometry> geometry) const;

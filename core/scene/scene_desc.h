@@ -1,4 +1,5 @@
-// What a loader produces and a Scene is made of: plain tables, in double where they place things in the world.
+// What a loader produces and a Scene is made of: plain tables, in double where they place things in
+// the world.
 #pragma once
 
 #include <string>
@@ -20,12 +21,14 @@ struct ExtensionUse {
     bool supported = false;
 };
 
-// A loader has checked every index, size and number in it (see io/gltf_loader.h); material 0 is glTF's default material.
+// A loader has checked every index, size and number in it (see io/gltf_loader.h); material 0 is
+// glTF's default material.
 struct SceneDesc {
     std::string file;
     std::string name;
     std::string sha256;  // of the main file's bytes, in hex
-    std::string reading;  // scene, variant and moment that were chosen of the file, as words without blanks
+    std::string
+        reading;  // scene, variant and moment that were chosen of the file, as words without blanks
     std::vector<Texture> textures;
     std::vector<Material> materials;
     std::vector<Mesh> meshes;

@@ -30,7 +30,8 @@ TexelRuns texels_between(float lower, float upper, uint32_t size, TextureWrap wr
     const int64_t shift = static_cast<int64_t>(std::floor(static_cast<double>(first) / n)) * size;
     first -= shift;
     last -= shift;
-    if (last <= end) return {{static_cast<uint32_t>(first), 0}, {static_cast<uint32_t>(last), 0}, 1};
+    if (last <= end)
+        return {{static_cast<uint32_t>(first), 0}, {static_cast<uint32_t>(last), 0}, 1};
     return {{static_cast<uint32_t>(first), 0},
             {static_cast<uint32_t>(end), static_cast<uint32_t>(last - end - 1)},
             2};

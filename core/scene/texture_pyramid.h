@@ -1,6 +1,6 @@
-// Coarser levels of images, each of half the size of the one before, for lookups of areas. Made from
-// the mean of linear light over exactly the area of a texel, whatever the size, and stored as bytes
-// of the image's own encoding: a third of the image on top.
+// Coarser levels of images, each of half the size of the one before, for lookups of areas. Made
+// from the mean of linear light over exactly the area of a texel, whatever the size, and stored as
+// bytes of the image's own encoding: a third of the image on top.
 #pragma once
 
 #include <array>

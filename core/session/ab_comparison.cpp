@@ -316,8 +316,7 @@ class AbComparison::Impl {
             if (sum_a > 0) verdict_.brightness_percent = 100 * (sum_b / sum_a - 1);
             if (!verdict_.different) return;
             char text[96];
-            std::snprintf(text, sizeof(text),
-                          "; but the pictures differ (B is %s by %.2f %%)",
+            std::snprintf(text, sizeof(text), "; but the pictures differ (B is %s by %.2f %%)",
                           verdict_.brightness_percent < 0 ? "darker" : "brighter",
                           std::abs(verdict_.brightness_percent));
             verdict_.text += text;

@@ -1,4 +1,5 @@
-// What can be asked of a running session, as values. The session applies them in order of submission.
+// What can be asked of a running session, as values. The session applies them in order of
+// submission.
 #pragma once
 
 #include <cstdint>
@@ -59,7 +60,8 @@ struct SetFilm {
 };
 struct Restart {};
 
-using Change = std::variant<SetScene, SetCamera, SetMaterial, SetPunctualLight, SetEnvironment, SetSettings, SetPaused,
-                            SetPassLimit, SetSelection, SetAov, SetErrorExposure, SetFilm, Restart>;
+using Change =
+    std::variant<SetScene, SetCamera, SetMaterial, SetPunctualLight, SetEnvironment, SetSettings,
+                 SetPaused, SetPassLimit, SetSelection, SetAov, SetErrorExposure, SetFilm, Restart>;
 
 }  // namespace talbot

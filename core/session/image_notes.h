@@ -12,7 +12,8 @@ namespace talbot {
 struct ImageNotes {
     std::vector<NotedSample> unusable;  // the first ones
     std::vector<NotedSample> outliers;  // the largest ones, largest first
-    std::vector<float> block_errors;    // relRMSE in per cent of 8x8 pixels, at the last octave; or empty
+    std::vector<float>
+        block_errors;  // relRMSE in per cent of 8x8 pixels, at the last octave; or empty
 };
 
 class NoteKeeper {

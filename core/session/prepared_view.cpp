@@ -46,9 +46,8 @@ PreparedView prepare_view(std::shared_ptr<const Scene> scene, const Camera& came
         view.pyramids = pyramids_of(view, pool, previous);
         view.scene = previous->scene;
         if (!(previous->sampling == view.sampling) || previous->pyramids != view.pyramids)
-            view.scene = std::make_shared<const RenderScene>(view.reduced, previous->scene.get(),
-                                                             view.forced_on, view.sampling,
-                                                             view.pyramids);
+            view.scene = std::make_shared<const RenderScene>(
+                view.reduced, previous->scene.get(), view.forced_on, view.sampling, view.pyramids);
     } else {
         std::shared_ptr<const SceneGeometry> geometry = view.given->shared_geometry();
         if (same_sets && previous->given->shared_geometry() == geometry) {
@@ -59,15 +58,14 @@ PreparedView prepare_view(std::shared_ptr<const Scene> scene, const Camera& came
         view.reduced = scene_without(view.given, view.forced_off, std::move(geometry));
         view.pyramids = pyramids_of(view, pool, previous);
         view.scene = std::make_shared<const RenderScene>(
-            view.reduced, previous ? previous->scene.get() : nullptr, view.forced_on,
-            view.sampling, view.pyramids);
+            view.reduced, previous ? previous->scene.get() : nullptr, view.forced_on, view.sampling,
+            view.pyramids);
     }
     view.effects = analyse_effects(*view.given, camera);
     const EffectSet needed = view.forced_off == EffectSet{}
                                  ? view.effects.active
                                  : analyse_effects(*view.reduced, view.camera).active;
-    const EffectSet cones =
-        view.pyramids && !view.pyramids->is_empty() ? kRayCones : EffectSet{};
+    const EffectSet cones = view.pyramids && !view.pyramids->is_empty() ? kRayCones : EffectSet{};
     view.tier = smallest_tier(needed | view.forced_on | surface_needs(view.scene->scene()) | cones);
     return view;
 }

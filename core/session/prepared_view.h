@@ -10,15 +10,15 @@
 namespace talbot {
 
 struct PreparedView {
-    std::shared_ptr<const Scene> given;         // as it came, with every effect
-    std::shared_ptr<const Scene> reduced;       // without the effects that are forced off
-    std::shared_ptr<const RenderScene> scene;   // of `reduced`
+    std::shared_ptr<const Scene> given;        // as it came, with every effect
+    std::shared_ptr<const Scene> reduced;      // without the effects that are forced off
+    std::shared_ptr<const RenderScene> scene;  // of `reduced`
     EffectSet forced_on, forced_off;
     LightSampling sampling;
     TextureFiltering texture_filter = TextureFiltering::none;
     std::shared_ptr<const TexturePyramids> pyramids;  // of `reduced`; null where not filtered
-    Camera camera;                              // as rendered
-    EffectReport effects;                       // of the scene and camera as they came
+    Camera camera;                                    // as rendered
+    EffectReport effects;                             // of the scene and camera as they came
     std::size_t tier = 0;
 };
 

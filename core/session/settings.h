@@ -21,7 +21,7 @@ struct RenderSettings {
     bool russian_roulette = true;
     bool next_event_estimation = true;
     bool transparent_background = false;
-    bool adaptive = false;      // more samples where the noise is; not with a first_sample
+    bool adaptive = false;  // more samples where the noise is; not with a first_sample
     uint64_t seed = 0;
     uint64_t first_sample = 0;  // sample indices start here
     EffectSet forced_on{};      // added to what the scene asks for: costs time, changes nothing

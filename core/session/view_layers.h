@@ -1,5 +1,5 @@
-// What a viewer may ask to see besides the image: object ids for the outline of a selection, and one output variable. Made only
-// while asked for, and anew after every restart.
+// What a viewer may ask to see besides the image: object ids for the outline of a selection, and
+// one output variable. Made only while asked for, and anew after every restart.
 #pragma once
 
 #include <memory>
@@ -35,7 +35,8 @@ class ViewLayers {
     void preview(const View& view, uint32_t width, uint32_t height);
     // The same at the size that takes about so many seconds, where something is missing.
     void glimpse(const View& view, double samples_per_second, double seconds);
-    // What is missing, and one more sample of the variable while it has few. After every pass, and when something is asked for.
+    // What is missing, and one more sample of the variable while it has few. After every pass, and
+    // when something is asked for.
     void update(const View& view, const std::stop_token& stop);
     // The variable of what was rendered, if one of these is asked for.
     void update_from(const Film& film, const std::vector<float>& block_errors);

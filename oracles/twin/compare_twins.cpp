@@ -29,9 +29,9 @@ double largest(const Vec3d& v) {
 // Sums of one row of pixels, so that rows can be worked on in any order.
 struct Row {
     Comparison counts;
-    double square = 0;      // of radiance, and of its difference, where paths stay together
+    double square = 0;  // of radiance, and of its difference, where paths stay together
     double difference = 0;
-    double sum = 0;         // of the difference's mean over channels, and of its square
+    double sum = 0;  // of the difference's mean over channels, and of its square
     double sum2 = 0;
     double radiance = 0;
 };

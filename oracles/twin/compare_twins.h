@@ -25,8 +25,9 @@ inline constexpr std::array<std::string_view, kPartings> kPartingNames{
 
 // Share of a sample's radiance; light that one path got and the other did not differs by more.
 inline constexpr double kOtherLight = 0.01;
-// Directions further apart than this (radians) are those of different paths: at 45 degrees it changes
-// a cosine by the same share. It sorts samples and gates none: relMSE and the mean take in all.
+// Directions further apart than this (radians) are those of different paths: at 45 degrees it
+// changes a cosine by the same share. It sorts samples and gates none: relMSE and the mean take in
+// all.
 inline constexpr double kParted = kOtherLight;
 // The last entry counts later vertices, too.
 inline constexpr std::size_t kVertices = 10;

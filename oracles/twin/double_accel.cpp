@@ -237,8 +237,8 @@ class DoubleAccel final : public Accel {
         const bool skip_to = primitive.id == search.ray.skip_to;
         if (primitive.radius > 0) {
             double t[2];
-            const int count = sphere_hits(search.ray, skip_from, skip_to, primitive.center,
-                                          primitive.radius, t);
+            const int count =
+                sphere_hits(search.ray, skip_from, skip_to, primitive.center, primitive.radius, t);
             for (int k = 0; k < count; ++k)
                 accept(search, {t[k], 0, 0, primitive.id}, primitive.filtered);
             return;

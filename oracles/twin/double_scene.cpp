@@ -49,8 +49,7 @@ to::Texture widen(const from::Texture& texture) {
     to::Texture wide;
     if (image) {
         const auto& [width, height, rgba, name] = *image;
-        wide.image =
-            std::make_shared<const to::Image8>(to::Image8{width, height, rgba, name});
+        wide.image = std::make_shared<const to::Image8>(to::Image8{width, height, rgba, name});
     }
     wide.wrap_u = static_cast<to::TextureWrap>(wrap_u);
     wide.wrap_v = static_cast<to::TextureWrap>(wrap_v);
@@ -198,13 +197,20 @@ to::ExtensionUse widen(const from::ExtensionUse& use) {
 to::Camera widen(const from::Camera& camera) {
     const auto& [name, kind, position, right, up, backward, yfov, aspect_ratio, xmag, ymag,
                  lens_shift, aperture_radius, focus_distance, resolution] = camera;
-    to::Camera wide{name,       static_cast<to::CameraKind>(kind),
-                    position,   right,
-                    up,         backward,
-                    yfov,       aspect_ratio,
-                    xmag,       ymag,
-                    lens_shift, aperture_radius,
-                    focus_distance, {}};
+    to::Camera wide{name,
+                    static_cast<to::CameraKind>(kind),
+                    position,
+                    right,
+                    up,
+                    backward,
+                    yfov,
+                    aspect_ratio,
+                    xmag,
+                    ymag,
+                    lens_shift,
+                    aperture_radius,
+                    focus_distance,
+                    {}};
     if (resolution) wide.resolution = to::Resolution{resolution->width, resolution->height};
     return wide;
 }
@@ -212,8 +218,8 @@ to::Camera widen(const from::Camera& camera) {
 }  // namespace
 
 to::SceneDesc to_double(const from::SceneDesc& desc) {
-    const auto& [file, name, sha256, reading, textures, materials, meshes, instances, spheres, objects,
-                 lights, cameras, environment, extensions, warnings] = desc;
+    const auto& [file, name, sha256, reading, textures, materials, meshes, instances, spheres,
+                 objects, lights, cameras, environment, extensions, warnings] = desc;
     return {file,
             name,
             sha256,

@@ -10,8 +10,8 @@ namespace twin {
 
 // One ray and what became of the path at its end.
 struct Step {
-    bool found = false;      // the ray met a surface
-    uint32_t instance = 0;   // which one
+    bool found = false;     // the ray met a surface
+    uint32_t instance = 0;  // which one
     uint32_t primitive = 0;
     bool in_medium = false;  // the path turned before it got there
     bool goes_on = false;    // the path was scattered at the surface

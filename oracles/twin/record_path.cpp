@@ -45,8 +45,7 @@ twin::Path record_path(const RenderScene& scene, const CameraRays& camera,
                        const PathSettings& settings, uint32_t x, uint32_t y,
                        uint64_t sample_index) {
     StepRecorder recorder;
-    const PathSample sample =
-        observe_path(scene, camera, settings, x, y, sample_index, recorder);
+    const PathSample sample = observe_path(scene, camera, settings, x, y, sample_index, recorder);
     twin::Path path;
     path.radiance = glm::dvec3(sample.Li);
     path.steps = std::move(recorder.steps);

@@ -8,7 +8,6 @@
 namespace talbot {
 
 twin::Path record_path(const RenderScene& scene, const CameraRays& camera,
-                       const PathSettings& settings, uint32_t x, uint32_t y,
-                       uint64_t sample_index);
+                       const PathSettings& settings, uint32_t x, uint32_t y, uint64_t sample_index);
 
 }  // namespace talbot

@@ -1,5 +1,5 @@
-// libFuzzer on the glTF loader: any bytes as the main file (.gltf or .glb), at the rest pose and at a
-// time, within 64 MiB. It must neither crash nor hang nor exceed the memory.
+// libFuzzer on the glTF loader: any bytes as the main file (.gltf or .glb), at the rest pose and at
+// a time, within 64 MiB. It must neither crash nor hang nor exceed the memory.
 #include <sys/mman.h>
 #include <unistd.h>
 

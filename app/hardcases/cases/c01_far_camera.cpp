@@ -118,9 +118,9 @@ CaseResult run(Effort effort) {
     result.measures.push_back(
         {"error of rays in pixels of 1000 rows, 1e3 to 1e7 m away, 1e-4 to 170 degrees",
          naive.figure, own.figure, 0.01, Gate::at_most, own.where});
-    // In the corner of such a view a pixel's own angle is 2 tan(fov / 2) / 1000 / (1 + 2 tan^2) = 9e-7
-    // radians: a hundredth of it is less than the rounding of a float direction, 6e-8. At 170 degrees
-    // it is ten times more than that.
+    // In the corner of such a view a pixel's own angle is 2 tan(fov / 2) / 1000 / (1 + 2 tan^2) =
+    // 9e-7 radians: a hundredth of it is less than the rounding of a float direction, 6e-8. At 170
+    // degrees it is ten times more than that.
     Worst wide_naive, wide_own;
     look(wide_naive, wide_own, 1e7, 179.9, true, draw, count);
     result.measures.push_back({"the same at 179.9 degrees, in pixels of the mean angle",

@@ -98,8 +98,8 @@ Failures sheets(double gap, uint64_t seed, uint64_t rays) {
 }
 
 // A closed prism over a triangle with that angle at one edge: no ray that starts near the edge,
-// from where the wedge is kLeastWidth wide, may come out. The same as the least gap: an offset of up
-// to 16 eps times the largest coordinate (G06), here 1, is 1e-6.
+// from where the wedge is kLeastWidth wide, may come out. The same as the least gap: an offset of
+// up to 16 eps times the largest coordinate (G06), here 1, is 1e-6.
 constexpr double kLeastWidth = 1e-6;
 
 Failures wedge(double angle, uint64_t seed, uint64_t rays) {

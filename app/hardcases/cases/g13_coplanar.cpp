@@ -241,10 +241,11 @@ CaseResult run(Effort effort) {
     add("in planes that float holds", axis);
     add("turned, on the same corners", copies);
     result.measures.push_back(
-        {line("turned, on corners of their own: pixels (of %.3g) whose winner is not the nearest in "
-              "binary128, where exact arithmetic itself flips %.3g and Talbot %.3g",
-              static_cast<double>(splits.pixels), static_cast<double>(splits.exact),
-              static_cast<double>(splits.own)),
+        {line(
+             "turned, on corners of their own: pixels (of %.3g) whose winner is not the nearest in "
+             "binary128, where exact arithmetic itself flips %.3g and Talbot %.3g",
+             static_cast<double>(splits.pixels), static_cast<double>(splits.exact),
+             static_cast<double>(splits.own)),
          static_cast<double>(splits.naive_behind), static_cast<double>(splits.own_behind), 0,
          Gate::at_most, ""});
     result.measures.push_back({"pixels of the other scenes whose winner is not the nearest",
@@ -260,7 +261,8 @@ CaseResult run(Effort effort) {
 
 const bool kAdded = add_case(
     {"G13", Priority::p1, "coplanar and coincident surfaces", "nearest float t, last among equals",
-     "depth in double from the float corners, rounded once; ties by the lower id", "powroupi/blender_mmd_tools#214", run});
+     "depth in double from the float corners, rounded once; ties by the lower id",
+     "powroupi/blender_mmd_tools#214", run});
 
 }  // namespace
 }  // namespace talbot::hardcases::g13

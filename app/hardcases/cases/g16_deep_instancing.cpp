@@ -193,8 +193,8 @@ CaseResult run(Effort effort) {
     uint64_t seed = 0;
     for (const bool and_back : {false, true}) {
         for (const int levels : {1, 2, 4, 8, 16, 32}) {
-            const Deep d = see_chain(mesh, text, chain(levels, and_back), ++seed,
-                                     inputs(effort, 1500, 60000));
+            const Deep d =
+                see_chain(mesh, text, chain(levels, and_back), ++seed, inputs(effort, 1500, 60000));
             if (and_back)
                 sweep.points.push_back({static_cast<double>(levels), d.point.naive, d.point.own});
             all.merge(d);

@@ -68,8 +68,7 @@ std::vector<Input> make_inputs(bool full) {
         const float s = std::ldexp(1.0f, j);
         powers.add_triangle({s, 0, 0}, {1.5f * s, s, 0}, {s, 0, s});
     }
-    list.push_back(
-        {"centroids at powers of two", std::move(powers), full ? 30000u : 3000u, false});
+    list.push_back({"centroids at powers of two", std::move(powers), full ? 30000u : 3000u, false});
     MeshData shells;
     const MeshData shell = displaced_sphere(2, 0);
     for (int j = 0; j < 24; ++j) {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numbers>
 
-#include "app/hardcases/cases/light_setup.h"
 #include "app/hardcases/cases/gltf_text.h"
+#include "app/hardcases/cases/light_setup.h"
 #include "oracles/stats/random.h"
 
 namespace talbot::hardcases::l01 {

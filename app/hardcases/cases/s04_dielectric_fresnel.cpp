@@ -1,7 +1,7 @@
 // S04: Fresnel of a dielectric at matched indices, at the critical angle and at huge indices; a
 // solid of index 1 is exactly invisible.
-#include "app/hardcases/cases/quad_float.h"
 #include "app/hardcases/cases/gltf_text.h"
+#include "app/hardcases/cases/quad_float.h"
 #include "app/hardcases/cases/shading_setup.h"
 #include "core/accuracy/metrics.h"
 #include "oracles/scattering_cases.h"

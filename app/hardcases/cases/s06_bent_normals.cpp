@@ -148,8 +148,7 @@ void flat_map_points(double& naive, double& own) {
         const Vec3f n = si.shading.n;
         const TextureSlot& map = scene->materials()[1].normal_texture;
         if (mapped_normal<kFullTier>(*scene, map, 1, uv_sets(si), n, Tangent{}) != n) ++own;
-        const Vec4f texel =
-            eval_slot<kFullTier>(*scene, map, uv_sets(si), TextureEncoding::linear);
+        const Vec4f texel = eval_slot<kFullTier>(*scene, map, uv_sets(si), TextureEncoding::linear);
         if (normalize(si.shading.to_world(2.0f * Vec3f(texel) - 1.0f)) != n) ++naive;
     }
 }

@@ -32,8 +32,8 @@ GltfChoices choices_of(const Document& document) {
         choices.default_scene = static_cast<size_t>(document.model.defaultScene);
     const std::vector<tinygltf::Animation>& animations = document.model.animations;
     for (size_t i = 0; i < animations.size(); ++i) {
-        choices.animations.push_back({name_or_index(animations[i].name, "animation", i),
-                                      animation_seconds(document, i)});
+        choices.animations.push_back(
+            {name_or_index(animations[i].name, "animation", i), animation_seconds(document, i)});
     }
     return choices;
 }

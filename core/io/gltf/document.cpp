@@ -93,6 +93,12 @@ std::string string_member(const Json& object, const char* key) {
     return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
+void note_file(Document& document, const std::string& uri) {
+    if (uri.empty() || is_data_uri(uri)) return;
+    const Result<std::filesystem::path> path = resolve_uri(document.file.parent_path(), uri);
+    if (path) document.other_files.push_back(*path);
+}
+
 // The bytes that a URI stands for, at least `length` of them.
 Status read_uri(const Document& document, const std::string& element, const std::string& uri,
                 uint64_t length, uint64_t max_bytes, BufferBytes& buffer) {
@@ -123,6 +129,7 @@ Status read_buffers(Document& document, const Json& buffers, const std::vector<b
         const std::string element = element_name("buffers", i);
         const auto length = buffers[i]["byteLength"].get<uint64_t>();
         const std::string uri = string_member(buffers[i], "uri");
+        note_file(document, uri);
         BufferBytes buffer;
         if (!needed[i]) {
             document.buffers.push_back(std::move(buffer));
@@ -152,6 +159,7 @@ Status note_images(Document& document, Json& images) {
         source.name = string_member(images[i], "name");
         if (images[i].contains("uri") && images[i]["uri"].is_string()) {
             source.uri = std::move(images[i]["uri"].get_ref<std::string&>());
+            note_file(document, source.uri);
         }
         if (images[i].contains("bufferView"))
             source.buffer_view = images[i]["bufferView"].get<uint32_t>();

@@ -38,6 +38,7 @@ struct Document {
     std::vector<BufferBytes> buffers;  // those of decoded views come after the file's
     uint64_t decoded_bytes = 0;        // in those, at most the limit of the caller
     std::vector<ImageSource> images;
+    std::vector<std::filesystem::path> other_files;  // that its buffers and images name
     std::vector<std::string> warnings;
     size_t lasting_warnings = 0;  // so many of them do not come from the animations
     std::shared_ptr<const nlohmann::json> source;  // of the model, where it has animations

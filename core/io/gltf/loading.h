@@ -33,9 +33,7 @@ class MemoryBudget {
 
 struct Loading {
     Loading(const Document& d, const LoadOptions& o)
-        : document(d),
-          options(o),
-          budget(o.max_bytes - std::min(o.max_bytes, d.decoded_bytes)) {}
+        : document(d), options(o), budget(o.max_bytes - std::min(o.max_bytes, d.decoded_bytes)) {}
 
     const Document& document;
     const LoadOptions& options;

@@ -59,8 +59,8 @@ class MaterialConverter {
         out.emissive_texture = slot(in.emissiveTexture);
         out.alpha_cutoff = limited(in.alphaCutoff, 0, kLargestFactor);
         out.double_sided = in.doubleSided;
-        out.nested_priority = limited(number_member(in.extras, "nestedPriority", 0),
-                                      -kLargestFactor, kLargestFactor);
+        out.nested_priority =
+            limited(number_member(in.extras, "nestedPriority", 0), -kLargestFactor, kLargestFactor);
         if (in.alphaMode == "MASK") out.alpha_mode = AlphaMode::mask;
         if (in.alphaMode == "BLEND") out.alpha_mode = AlphaMode::blend;
         if (in.alphaMode != "MASK" && in.alphaMode != "BLEND" && in.alphaMode != "OPAQUE") {

@@ -85,7 +85,8 @@ class Converter {
     // image.
     std::optional<size_t> roughness_texture(size_t index, double factor) {
         const auto known = std::find(made_.begin(), made_.end(), std::pair(index, factor));
-        if (known != made_.end()) return first_texture_ + static_cast<std::size_t>(known - made_.begin());
+        if (known != made_.end())
+            return first_texture_ + static_cast<std::size_t>(known - made_.begin());
         Json& textures = root_["textures"];
         const std::optional<uint32_t> source = image_of(textures[index]);
         if (!source) return std::nullopt;
