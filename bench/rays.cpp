@@ -13,7 +13,9 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
+#include <stdexcept>
 
 #include "core/geometry/bvh.h"
 #include "ray_engines.h"
@@ -239,30 +241,61 @@ void run_builds(const BenchScene& scene, const Options& options, Report& report)
     report.builds.push_back(std::move(build));
 }
 
-// What the structure is worth beside testing every object: spheres strewn in a cube.
+struct SpeedupScene {
+    std::string name;
+    std::shared_ptr<const Accel> accel;
+    std::shared_ptr<const Accel> brute;
+    View view;
+};
+
+SpeedupScene strewn_spheres(uint32_t count, WorkerPool& pool) {
+    test::Rng rng(count);
+    test::SceneData data;
+    const float radius = 0.25f / std::cbrt(static_cast<float>(count));
+    for (uint32_t i = 0; i < count; ++i) data.spheres.push_back({Vec3d(rng.in_box(0, 1)), radius});
+    return {std::to_string(count) + " spheres in a cube",
+            build_accel(data.input(), pool),
+            build_brute_force(data.input()),
+            {Vec3f(0.5f, 0.5f, 2), Vec3f(0.5f), 40}};
+}
+
+// A built-in scene from its first camera.
+SpeedupScene built_in(const std::string& name, WorkerPool& pool) {
+    auto desc = load_gltf(TALBOT_SOURCE_DIR "/assets/scenes/" + name);
+    if (!desc) throw std::runtime_error(desc.error().line());
+    SceneBuildOptions plain;
+    plain.brute_force = true;
+    const auto slow = Scene::build(*desc, pool, plain);
+    const auto scene = Scene::build(std::move(*desc), pool, {});
+    const Camera& camera = scene->cameras().front();
+    const Vec3d eye = camera.position - scene->geometry().origin;
+    return {name + ": " + std::to_string(scene->geometry().objects.size()) + " objects, " +
+                std::to_string(scene->geometry().accel->stats().triangles) + " triangles",
+            scene->geometry().accel,
+            slow->geometry().accel,
+            {Vec3f(eye), Vec3f(eye + camera.forward()),
+             static_cast<float>(camera.yfov * 180 / std::numbers::pi)}};
+}
+
+// What the structure is worth beside testing everything: a dozen objects and a thousand.
 void run_speedups(const Options& options, Report& report) {
-    std::printf("\nAgainst testing every object (spheres, primary rays, 1 thread, Mrays/s)\n\n");
-    std::printf("| objects | Talbot | brute force | speed-up |\n|---|---|---|---|\n");
-    for (const uint32_t count : {12u, 1000u}) {
-        test::Rng rng(count);
-        test::SceneData data;
-        const float radius = 0.25f / std::cbrt(static_cast<float>(count));
-        for (uint32_t i = 0; i < count; ++i)
-            data.spheres.push_back({Vec3d(rng.in_box(0, 1)), radius});
-        WorkerPool pool(2);
-        const std::shared_ptr<const Accel> accel = build_accel(data.input(), pool);
-        const std::shared_ptr<const Accel> brute = build_brute_force(data.input());
-        const auto rays = primary_rays({Vec3f(0.5f, 0.5f, 2), Vec3f(0.5f), 40}, 128);
+    std::printf("\nAgainst testing everything (primary rays, 1 thread, Mrays/s)\n\n");
+    std::printf("| scene | Talbot | brute force | speed-up |\n|---|---|---|---|\n");
+    WorkerPool pool(2);
+    for (const SpeedupScene& scene :
+         {strewn_spheres(12, pool), strewn_spheres(1000, pool), built_in("spheres.gltf", pool),
+          built_in("report-extended.gltf", pool)}) {
+        const auto rays = primary_rays(scene.view, 128);
         std::vector<double> fast;
         std::vector<double> slow;
         uint64_t hits = 0;
         for (int round = 0; round < options.rounds; ++round) {
-            fast.push_back(rate(talbot_engine("", accel), rays, false, 1, hits));
-            slow.push_back(rate(talbot_engine("", brute), rays, false, 1, hits));
+            fast.push_back(rate(talbot_engine("", scene.accel), rays, false, 1, hits));
+            slow.push_back(rate(talbot_engine("", scene.brute), rays, false, 1, hits));
         }
-        std::printf("| %u | %.2f | %.3f | %.1f |\n", count, median(fast), median(slow),
+        std::printf("| %s | %.2f | %.3f | %.1f |\n", scene.name.c_str(), median(fast), median(slow),
                     median(fast) / median(slow));
-        report.speedups.push_back({{"objects", count},
+        report.speedups.push_back({{"scene", scene.name},
                                    {"mrays_per_second", median(fast)},
                                    {"brute_force_mrays_per_second", median(slow)}});
     }

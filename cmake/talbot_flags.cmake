@@ -4,7 +4,8 @@ add_library(talbot_flags INTERFACE)
 target_compile_options(talbot_flags INTERFACE
     -Wall -Wextra -Wconversion -Wshadow -Werror
     -ffp-contract=off -fno-math-errno -fno-trapping-math
-    # g++ 12 makes vectors of straight code from -O2 on and then leaves out roundings to float between doubles.
+    # From -O2 on g++ makes vectors of straight code, and before 13 it then folds double to float to double into nothing: it
+    # compares the precision of the vectors' types, not of their elements.
     $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>
     # clang++ asks std::array for braces that C++ does not.
     $<$<CXX_COMPILER_ID:Clang>:-Wno-missing-braces>)

@@ -60,20 +60,6 @@ TALBOT_FORCE_INLINE bool to_world_kernel(const Ray& ray, LocalRay& local) {
     return true;
 }
 
-// x rounded to float even if it is used as a double afterwards. GCC before 13 folds the two
-// conversions of a vector into none once it has vectorised straight-line code (it compares the
-// precision of vector types, not of their elements).
-inline float rounded(double x) {
-    float f = static_cast<float>(x);
-#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ < 13 && defined(__SSE2__)
-    asm("" : "+x"(f));
-#endif
-    return f;
-}
-inline Vec3f rounded(const Vec3d& v) {
-    return Vec3f(rounded(v.x), rounded(v.y), rounded(v.z));
-}
-
 inline constexpr uint64_t kDoubleBias = 1023;
 
 // The ray in the space of an instance: transformed in double and rounded once, its direction
@@ -90,7 +76,7 @@ TALBOT_FORCE_INLINE bool to_object_space(const Ray& ray, const SceneObject& obje
     if (exponent - kLeast > 2 * kMaxScaleExponent && !local_ray_detail::limit_exponent(exponent))
         return false;
     const double scale = std::bit_cast<double>((2 * kDoubleBias - exponent) << 52);
-    set_shear(local.sheared, rounded(o), rounded(d * scale));
+    set_shear(local.sheared, Vec3f(o), Vec3f(d * scale));
     local.t_scale = static_cast<float>(scale);
     local.t_unscale = static_cast<float>(std::bit_cast<double>(exponent << 52));
     local.instance = object.id;

@@ -6,7 +6,7 @@ namespace talbot::gltf {
 
 namespace {
 
-constexpr const char* kExtension = "KHR_materials_variants";
+constexpr const char* kVariants = "KHR_materials_variants";
 
 // The array `key` of an object; null when there is none.
 const tinygltf::Value* array_member(const tinygltf::Value* object, const char* key) {
@@ -27,7 +27,7 @@ bool lists(const tinygltf::Value& mapping, uint32_t variant) {
 
 std::vector<std::string> variant_names(const Document& document) {
     std::vector<std::string> names;
-    const tinygltf::Value* extension = find_extension_value(document.model.extensions, kExtension);
+    const tinygltf::Value* extension = find_extension_value(document.model.extensions, kVariants);
     const tinygltf::Value* variants = array_member(extension, "variants");
     for (size_t i = 0; variants && i < variants->ArrayLen(); ++i) {
         const tinygltf::Value* name = member(variants->Get(static_cast<int>(i)), "name");
@@ -55,7 +55,7 @@ uint32_t material_of(const tinygltf::Primitive& primitive, std::optional<uint32_
     const auto own = static_cast<uint32_t>(primitive.material + 1);
     if (!variant) return own;
     const tinygltf::Value* mappings =
-        array_member(find_extension_value(primitive.extensions, kExtension), "mappings");
+        array_member(find_extension_value(primitive.extensions, kVariants), "mappings");
     for (size_t i = 0; mappings && i < mappings->ArrayLen(); ++i) {
         const tinygltf::Value& mapping = mappings->Get(static_cast<int>(i));
         const std::optional<uint32_t> material = index_member(mapping, "material");
