@@ -119,7 +119,6 @@ Result<int> stress(const HardcasesOptions& options) {
     set_log_level(render->log_level);
     std::FILE* table = options.json == "-" ? nullptr : stdout;
     if (table) print_stress_columns(table);
-    note_interrupts();
     const Result<StressReport> report =
         run_stress(*render, options.effort, [table](const StressRow& row) {
             if (!table) return;
@@ -137,7 +136,6 @@ Result<int> twins(const HardcasesOptions& options) {
     const Result<Options> render = render_options(options);
     if (!render) return render.error();
     set_log_level(render->log_level);
-    note_interrupts();
     const Result<TwinReport> report = run_twin(*render);
     if (!report) return report.error();
     if (options.json != "-") print_twin(*report, stdout);

@@ -220,8 +220,10 @@ Result<StressReport> run_stress(const Options& options, Effort effort,
                                 const std::function<void(const StressRow&)>& done) {
     const auto start = std::chrono::steady_clock::now();
     WorkerPool pool(options.threads);
+    leave_on_interrupt();
     Result<SceneDesc> desc = load_scene(options);
     if (!desc) return desc.error();
+    note_interrupts();
     StressReport report;
     report.scene_file = desc->file;
     report.effort = effort;

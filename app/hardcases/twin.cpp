@@ -53,8 +53,10 @@ Result<TwinReport> run_twin(const Options& options) {
     if (options.render.forced_on != EffectSet{} || options.render.forced_off != EffectSet{})
         return usage_error("--effects", "the twin calculates every effect; leave this out");
     const auto start = std::chrono::steady_clock::now();
+    leave_on_interrupt();
     const Result<SceneDesc> desc = load_scene(options);
     if (!desc) return desc.error();
+    note_interrupts();
     TwinReport report;
     report.scene_file = desc->file;
     Result<twin::Comparison> comparison = compare(options, *desc, report.budget);
