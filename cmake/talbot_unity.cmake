@@ -1,4 +1,4 @@
-# Reading the same headers again is more than half of compiling the small sources of a library: several of them are compiled at a
+# Reading the same headers again is more than half of compiling small sources: several of them are compiled at a
 # time. Each stands on its own includes, and needs a namespace of its own, all the same. Switch this off to work on single files.
 option(TALBOT_UNITY "Compile several small sources at a time" ON)
 
