@@ -38,11 +38,15 @@ bool limit_exponent(uint64_t& exponent) {
 
 void set_parallel_slabs(const ShearedRay& ray, const Bounds& bounds, SlabRay& slabs) {
     const float largest = std::abs(ray.d[ray.kz]);
-    float size = max_component(glm::max(glm::abs(bounds.lower), glm::abs(bounds.upper)));
-    for (int i = 0; i < 3; ++i) size = std::max(size, std::abs(ray.o[i]));
-    const float reach = 2 * size / largest * kParallelReach;
+    float size = 0;
     for (int i = 0; i < 3; ++i) {
-        if (!(std::abs(ray.d[i]) < kParallelShare * largest)) continue;
+        const float bound = std::max(std::abs(bounds.lower[i]), std::abs(bounds.upper[i]));
+        size = std::max(size, std::max(bound, std::abs(ray.o[i])));
+    }
+    const float reach = 2 * size * std::abs(slabs.reciprocal[ray.kz]) * kParallelReach;
+    const float least = kParallelShare * largest;
+    for (int i = 0; i < 3; ++i) {
+        if (!(std::abs(ray.d[i]) < least)) continue;
         const float r = std::copysign(kParallelReciprocal, ray.d[i]);
         const float c = ray.o[i] * r;
         const float pad = kSlabOriginPad * std::abs(c) + reach;
