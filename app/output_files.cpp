@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
-#include <filesystem>
 #include <span>
 
 namespace talbot {
@@ -20,7 +19,15 @@ Status check_output_files(const std::vector<std::string>& outputs,
                          "is named for two outputs; give each its own file"};
         }
         taken.push_back(whole);
-        for (const std::string& input : inputs) {
+    }
+    return check_not_inputs(outputs, {inputs.begin(), inputs.end()});
+}
+
+Status check_not_inputs(const std::vector<std::string>& outputs,
+                        const std::vector<std::filesystem::path>& inputs) {
+    for (const std::string& file : outputs) {
+        if (file.empty() || file == "-") continue;
+        for (const std::filesystem::path& input : inputs) {
             std::error_code code;
             if (!input.empty() && std::filesystem::equivalent(file, input, code)) {
                 return Error{ErrorKind::usage, file, "",

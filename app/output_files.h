@@ -2,6 +2,7 @@
 // text to a file or the standard output.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,10 @@ namespace talbot {
 // Empty names, and - for the standard output, are passed over.
 Status check_output_files(const std::vector<std::string>& outputs,
                           const std::vector<std::string>& inputs);
+
+// Refuses outputs that are one of these files, whatever their names.
+Status check_not_inputs(const std::vector<std::string>& outputs,
+                        const std::vector<std::filesystem::path>& inputs);
 
 // With its dot, in lower case.
 std::string extension_of(const std::string& file);

@@ -159,10 +159,8 @@ Result<SceneSetup> set_up_scene(const Options& options, WorkerPool& pool) {
     Result<std::shared_ptr<GltfFile>> file = GltfFile::open(scene_path(options), load);
     if (!file) return file.error();
     setup.file = std::move(*file);
-    std::vector<std::string> inputs;
-    for (const std::filesystem::path& other : setup.file->other_files())
-        inputs.push_back(other.string());
-    if (Status status = check_output_files(options.written_files(), inputs); !status)
+    if (Status status = check_not_inputs(options.written_files(), setup.file->other_files());
+        !status)
         return status.error();
     Result<SceneDesc> desc = read_scene(*setup.file, load, options);
     if (!desc) return desc.error();

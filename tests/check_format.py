@@ -33,7 +33,7 @@ def main():
                    if p.suffix in (".h", ".cpp"))
 
     def unformatted(batch):
-        done = subprocess.run([program, "--dry-run", *batch], stderr=subprocess.PIPE, text=True, check=False)
+        done = subprocess.run([program, "--dry-run", *batch], stderr=subprocess.PIPE, text=True, check=True)
         return {line.split(":")[0] for line in done.stderr.splitlines() if "[-Wclang-format-violations]" in line}
 
     # A process a file would spend its time starting.
