@@ -28,6 +28,10 @@ struct Bounds {
         lower = glm::min(lower, p);
         upper = glm::max(upper, p);
     }
+    // In size; infinite when empty.
+    float largest_coordinate() const {
+        return max_component(glm::max(glm::abs(lower), glm::abs(upper)));
+    }
 };
 
 // Triangles as the scene keeps them; the spans must outlive the build only (the structure copies

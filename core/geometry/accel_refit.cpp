@@ -93,10 +93,7 @@ class Refit {
             }
             whole = boxes[0];
         }
-        for (int i = 0; i < 3; ++i) {
-            tree.bounds.lower[i] = whole.lower[i];
-            tree.bounds.upper[i] = whole.upper[i];
-        }
+        tree.set_bounds(whole.lower, whole.upper);
         return !(tree_cost(tree) > kWorthRebuilding * tree.built_cost);
     }
     uint64_t hittable() const { return hittable_; }

@@ -80,11 +80,17 @@ struct Tree {
     bool is_empty = true;
     bool outgrows_cache = false;  // then traversal asks for memory ahead
     Bounds bounds;
+    float largest_coordinate = 0;  // of the bounds
     uint32_t depth = 0;
     uint64_t triangles = 0;
     uint64_t references = 0;  // lanes in use: more than triangles where some were cut
     double built_cost = 0;    // of refitted trees: tree_cost when they were built
 
+    template <class Corner>
+    void set_bounds(const Corner& lower, const Corner& upper) {
+        bounds = {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
+        largest_coordinate = bounds.largest_coordinate();
+    }
     uint64_t bytes() const {
         return nodes.size() * sizeof(WideNode) + blocks.size() * sizeof(TriangleBlock) +
                objects.size() * sizeof(uint32_t);

@@ -399,10 +399,7 @@ bool build_tree(HugePageVector<BuildPrimitive>& primitives, BuildQuality quality
     Builder builder = upper_builder.without_pool();
     tree.is_empty = false;
     tree.triangles = count - whole.objects;
-    for (int i = 0; i < 3; ++i) {
-        tree.bounds.lower[i] = whole.box.lower[i];
-        tree.bounds.upper[i] = whole.box.upper[i];
-    }
+    tree.set_bounds(whole.box.lower, whole.box.upper);
     if (pool == nullptr || count <= kSubtreeSize || whole.is_leaf) {
         tree.root = builder.build(whole, 0, tree);
         tree.outgrows_cache = tree.bytes() > kCachedTreeBytes;

@@ -36,25 +36,4 @@ bool limit_exponent(uint64_t& exponent) {
     return true;
 }
 
-void set_parallel_slabs(const ShearedRay& ray, const Bounds& bounds, SlabRay& slabs) {
-    const float largest = std::abs(ray.d[ray.kz]);
-    float size = 0;
-    for (int i = 0; i < 3; ++i) {
-        const float bound = std::max(std::abs(bounds.lower[i]), std::abs(bounds.upper[i]));
-        size = std::max(size, std::max(bound, std::abs(ray.o[i])));
-    }
-    const float reach = 2 * size * std::abs(slabs.reciprocal[ray.kz]) * kParallelReach;
-    const float least = kParallelShare * largest;
-    for (int i = 0; i < 3; ++i) {
-        if (!(std::abs(ray.d[i]) < least)) continue;
-        const float r = std::copysign(kParallelReciprocal, ray.d[i]);
-        const float c = ray.o[i] * r;
-        const float pad = kSlabOriginPad * std::abs(c) + reach;
-        slabs.reciprocal[i] = r;
-        slabs.near_offset[i] = c + pad;
-        slabs.far_reciprocal[i] = r * kSlabFarFactor;
-        slabs.far_offset[i] = (c - pad) * kSlabFarFactor;
-    }
-}
-
 }  // namespace talbot::local_ray_detail

@@ -28,8 +28,6 @@ struct LocalRay {
     uint32_t instance = kNoId;  // of all triangles of the tree, unless kNoId
 };
 
-struct SlabRay;
-
 namespace local_ray_detail {
 
 // The rays that to_world_kernel does not take as they are: direction out of range, or nothing to
@@ -39,9 +37,6 @@ bool rescale(const Ray& ray, LocalRay& local);
 // The exponent of a direction (biased, of a double) brought to what kMaxScaleExponent allows; false
 // when the scaled direction would then be out of range, or is zero.
 bool limit_exponent(uint64_t& exponent);
-
-// Slabs that the ray runs along, or all but along.
-void set_parallel_slabs(const ShearedRay& ray, const Bounds& bounds, SlabRay& slabs);
 
 }  // namespace local_ray_detail
 
@@ -92,21 +87,39 @@ struct SlabRay {
     Float4 far_offset;
 };
 
-TALBOT_FORCE_INLINE SlabRay make_slab_ray(const ShearedRay& ray, const Bounds& bounds) {
+// The power of two next above 1 / x for a positive normal x.
+TALBOT_FORCE_INLINE float reciprocal_power(float x) {
+    constexpr uint32_t kExponent = 0x7f800000u;
+    return std::bit_cast<float>((254u << 23) - (std::bit_cast<uint32_t>(x) & kExponent));
+}
+
+// For boxes whose coordinates are at most largest_coordinate in size.
+TALBOT_FORCE_INLINE SlabRay make_slab_ray(const ShearedRay& ray, float largest_coordinate) {
+    const Float4 none = {0, 0, 0, 0};
     const Float4 d = {ray.d[0], ray.d[1], ray.d[2], 1};
     const Float4 o = {ray.o[0], ray.o[1], ray.o[2], 0};
     SlabRay slabs;
     slabs.reciprocal = 1 / d;
+    Float4 reach = none;
+    const float parallel = kParallelShare * std::abs(ray.d[ray.kz]);
+    const uint32_t least = std::min(magnitude_bits(ray.d[0]),
+                                    std::min(magnitude_bits(ray.d[1]), magnitude_bits(ray.d[2])));
+    if (std::bit_cast<float>(least) < parallel) [[unlikely]] {
+        // In registers throughout: rays along axes are common, and cost next to nothing this way.
+        const uint32_t far_origin = std::max(
+            magnitude_bits(ray.o[0]), std::max(magnitude_bits(ray.o[1]), magnitude_bits(ray.o[2])));
+        const float size = std::max(largest_coordinate, std::bit_cast<float>(far_origin));
+        const float pad = size * (2 * kParallelReach) * reciprocal_power(std::abs(ray.d[ray.kz]));
+        const auto is_parallel = abs4(d) < none + parallel;
+        slabs.reciprocal =
+            is_parallel ? copysign4(none + kParallelReciprocal, d) : slabs.reciprocal;
+        reach = is_parallel ? none + pad : none;
+    }
     const Float4 c = o * slabs.reciprocal;
-    const Float4 pad = kSlabOriginPad * (c < 0 ? -c : c);
+    const Float4 pad = kSlabOriginPad * abs4(c) + reach;
     slabs.near_offset = c + pad;
     slabs.far_reciprocal = slabs.reciprocal * kSlabFarFactor;
     slabs.far_offset = (c - pad) * kSlabFarFactor;
-    const uint32_t least = std::min(magnitude_bits(ray.d[0]),
-                                    std::min(magnitude_bits(ray.d[1]), magnitude_bits(ray.d[2])));
-    if (std::bit_cast<float>(least) < kParallelShare * std::abs(ray.d[ray.kz])) {
-        local_ray_detail::set_parallel_slabs(ray, bounds, slabs);
-    }
     return slabs;
 }
 

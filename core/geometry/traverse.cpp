@@ -261,7 +261,7 @@ HWY_INLINE StackEntry push_all(const Tree& tree, StackEntry*& top, const WideNod
 template <bool kAny, bool kFilter, bool kObjects, bool kCount>
 HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray) {
     if (tree.is_empty) return false;
-    const BoxRay boxes(ray.sheared, make_slab_ray(ray.sheared, tree.bounds));
+    const BoxRay boxes(ray.sheared, make_slab_ray(ray.sheared, tree.largest_coordinate));
     const BlockRay lanes(ray.sheared);
     float t_limit = limit_of(query, ray);
     StackEntry stack[kStackSize];
