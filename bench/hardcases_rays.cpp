@@ -72,8 +72,8 @@ Row mesh_row(const std::string& name, MeshData mesh, const Vec3f& inside, uint64
     const SceneData scene = scene_of(std::move(mesh));
     Row row{name, rays.size(), {}};
     const auto misses = [&](const Engine& engine) {
-        row.wrong.push_back(
-            static_cast<double>(rays.size() - engine.trace(rays.data(), rays.size(), false)));
+        row.wrong.push_back(static_cast<double>(
+            rays.size() - engine.trace(rays.data(), rays.size(), Search::closest)));
     };
     const std::shared_ptr<const Accel> accel = build(scene);
     misses(talbot_engine("Talbot", accel));

@@ -1,8 +1,8 @@
 // Rays per second, build time and memory of Talbot's structure, built well and built fast, against
 // Embree's in its default, its robust and its high-quality mode: same triangles, same rays, one
-// process, single-ray calls, runs interleaved, medians. Rates are per second of each thread's own
-// processor time. Then what the structure is worth beside testing everything, and how cost grows
-// with the number of triangles.
+// process, single-ray calls (and neighbours together, see Search), runs interleaved, medians. Rates
+// are per second of each thread's own processor time. Then what the structure is worth beside
+// testing everything, and how cost grows with the number of triangles.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -91,12 +91,12 @@ std::string heading() {
 
 // The rates of all engines with one set of rays.
 void measure(const std::vector<Engine>& engines, const Options& options,
-             const std::vector<Ray>& rays, bool any, Result result, Report& report) {
+             const std::vector<Ray>& rays, Search search, Result result, Report& report) {
     std::vector<std::vector<double>> rates(engines.size());
     std::vector<uint64_t> hits(engines.size());
     for (int round = 0; round < options.rounds; ++round) {
         for (size_t e = 0; e < engines.size(); ++e)
-            rates[e].push_back(rate(engines[e], rays, any, result.threads, hits[e]));
+            rates[e].push_back(rate(engines[e], rays, search, result.threads, hits[e]));
     }
     std::printf("| %s | %s | %u |", result.scene.c_str(), result.kind.c_str(), result.threads);
     for (const auto& of_engine : rates) {
@@ -135,12 +135,14 @@ void run_rates(const BenchScene& scene, bool is_extra, const Options& options, R
         std::printf("\nMrays/s\n\n%s\n%s\n", head.c_str(), rule.c_str());
     }
     for (const unsigned threads : {1u, 2u}) {
-        const auto run = [&](const char* kind, const std::vector<Ray>& rays, bool any) {
-            measure(engines, options, rays, any, {scene.name, kind, threads, is_extra, {}}, report);
+        const auto run = [&](const char* kind, const std::vector<Ray>& rays, Search search) {
+            measure(engines, options, rays, search, {scene.name, kind, threads, is_extra, {}},
+                    report);
         };
-        run("primary", sets.primary, false);
-        run("ao", sets.ao, true);
-        run("diffuse", sets.diffuse, false);
+        run("primary", sets.primary, Search::closest);
+        run("primary, together", sets.primary, Search::together);
+        run("ao", sets.ao, Search::any);
+        run("diffuse", sets.diffuse, Search::closest);
     }
 }
 
@@ -290,8 +292,8 @@ void run_speedups(const Options& options, Report& report) {
         std::vector<double> slow;
         uint64_t hits = 0;
         for (int round = 0; round < options.rounds; ++round) {
-            fast.push_back(rate(talbot_engine("", scene.accel), rays, false, 1, hits));
-            slow.push_back(rate(talbot_engine("", scene.brute), rays, false, 1, hits));
+            fast.push_back(rate(talbot_engine("", scene.accel), rays, Search::closest, 1, hits));
+            slow.push_back(rate(talbot_engine("", scene.brute), rays, Search::closest, 1, hits));
         }
         std::printf("| %s | %.2f | %.3f | %.1f |\n", scene.name.c_str(), median(fast), median(slow),
                     median(fast) / median(slow));
@@ -334,9 +336,11 @@ void run_growth(const Options& options, Report& report) {
         std::vector<double> diffuse;
         uint64_t hits = 0;
         for (int round = 0; round < options.rounds; ++round) {
-            primary.push_back(rate(talbot_engine("", accel), sets.primary, false, 1, hits));
-            ao.push_back(rate(talbot_engine("", accel), sets.ao, true, 1, hits));
-            diffuse.push_back(rate(talbot_engine("", accel), sets.diffuse, false, 1, hits));
+            primary.push_back(
+                rate(talbot_engine("", accel), sets.primary, Search::closest, 1, hits));
+            ao.push_back(rate(talbot_engine("", accel), sets.ao, Search::any, 1, hits));
+            diffuse.push_back(
+                rate(talbot_engine("", accel), sets.diffuse, Search::closest, 1, hits));
         }
         const auto triangles = static_cast<double>(accel->stats().triangles);
         const double bytes = static_cast<double>(accel->stats().bytes) / triangles;

@@ -12,27 +12,12 @@
 #include <vector>
 
 #include "core/base/worker_pool.h"
+#include "core/geometry/beam.h"
+#include "core/geometry/bounds.h"
 #include "core/math/ray.h"
 #include "core/math/vec.h"
 
 namespace talbot {
-
-struct Bounds {
-    Vec3f lower{kInfinity};
-    Vec3f upper{-kInfinity};
-
-    bool is_empty() const {
-        return !(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z);
-    }
-    void add(const Vec3f& p) {
-        lower = glm::min(lower, p);
-        upper = glm::max(upper, p);
-    }
-    // In size; infinite when empty.
-    float largest_coordinate() const {
-        return max_component(glm::max(glm::abs(lower), glm::abs(upper)));
-    }
-};
 
 // Triangles as the scene keeps them; the spans must outlive the build only (the structure copies
 // what it needs).
@@ -98,6 +83,11 @@ class Accel {
     // there is none. With a filter, hits on filtered instances count only if it accepts them.
     virtual bool closest(const Ray& ray, Hit& hit) const = 0;
     virtual bool closest(const Ray& ray, Hit& hit, const HitFilter& filter) const = 0;
+
+    // For rays that run side by side: the same hits as closest(ray, hit) in less time. Every such
+    // ray must be of the beam that the entry was found for.
+    virtual BeamEntry enter(const Beam& beam) const = 0;
+    virtual bool closest(const Ray& ray, Hit& hit, const BeamEntry& entry) const = 0;
 
     // Whether anything lies in (0, t_max).
     virtual bool occluded(const Ray& ray) const = 0;

@@ -40,6 +40,10 @@ class BruteForceAccel final : public Accel {
     }
 
     bool closest(const Ray& ray, Hit& hit) const override { return search(ray, nullptr, hit); }
+    BeamEntry enter(const Beam&) const override { return {}; }
+    bool closest(const Ray& ray, Hit& hit, const BeamEntry&) const override {
+        return closest(ray, hit);
+    }
     bool closest(const Ray& ray, Hit& hit, const HitFilter& filter) const override {
         return search(ray, &filter, hit);
     }

@@ -10,12 +10,12 @@
 #include "core/base/huge_pages.h"
 #include "core/geometry/accel.h"
 #include "core/geometry/force_inline.h"
+#include "core/geometry/wide_node.h"
 #include "core/math/ray.h"
 #include "core/math/vec.h"
 
 namespace talbot {
 
-inline constexpr uint32_t kNodeWidth = 8;
 inline constexpr uint32_t kBlockWidth = 4;
 inline constexpr uint32_t kMaxLeafItems = 8;  // blocks or objects
 // Wide levels built by surface area before the builder halves ranges, and the most that can follow.
@@ -43,16 +43,6 @@ class ChildRef {
     static bool is_objects(uint32_t ref) { return (ref & kObjectBit) != 0; }
     static uint32_t count(uint32_t ref) { return ((ref >> kCountShift) & (kMaxLeafItems - 1)) + 1; }
     static uint32_t first(uint32_t ref) { return ref & kIndexMask; }
-};
-
-// What unused children refer to: the first node, which is nobody's child.
-inline constexpr uint32_t kUnusedChild = 0;
-
-// Planes in the order lower x, upper x, lower y, upper y, lower z, upper z. Unused children have an
-// empty box.
-struct alignas(64) WideNode {
-    float plane[6][kNodeWidth];
-    uint32_t child[kNodeWidth];
 };
 
 // Four triangles: coordinate [vertex][axis][lane]. Unused lanes hold NaN, which no test accepts.
@@ -151,12 +141,15 @@ struct BvhScene {
 
 // Traversal routines for one instruction set and one kind of scene.
 struct TraversalKernels {
+    // Rays begin at the node `entry`, or where it is null at the root.
     bool (*closest)(const BvhScene& scene, const Ray& ray, Hit& hit, const HitFilter* filter,
-                    uint32_t* steps) = nullptr;
+                    uint32_t* steps, const WideNode* entry) = nullptr;
     bool (*closest_filtered)(const BvhScene& scene, const Ray& ray, Hit& hit,
-                             const HitFilter* filter, uint32_t* steps) = nullptr;
+                             const HitFilter* filter, uint32_t* steps,
+                             const WideNode* entry) = nullptr;
     bool (*closest_counting)(const BvhScene& scene, const Ray& ray, Hit& hit,
-                             const HitFilter* filter, uint32_t* steps) = nullptr;
+                             const HitFilter* filter, uint32_t* steps,
+                             const WideNode* entry) = nullptr;
     bool (*occluded)(const BvhScene& scene, const Ray& ray, const HitFilter* filter) = nullptr;
     bool (*occluded_filtered)(const BvhScene& scene, const Ray& ray,
                               const HitFilter* filter) = nullptr;

@@ -141,7 +141,8 @@ HWY_INLINE bool intersect_block(Query& query, const LocalRay& ray, const Triangl
 }
 
 template <bool kAny, bool kFilter, bool kObjects, bool kCount>
-HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray);
+HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray,
+                         const WideNode* start);
 
 template <bool kAny, bool kFilter, bool kCount>
 HWY_NOINLINE bool intersect_objects(Query& query, const Tree& tree, uint32_t ref) {
@@ -159,8 +160,8 @@ HWY_NOINLINE bool intersect_objects(Query& query, const Tree& tree, uint32_t ref
         } else {
             LocalRay local;
             if (!to_object_space(query.ray, object, local)) continue;
-            if (traverse<kAny, kFilter, false, kCount>(query, query.scene.trees[object.tree],
-                                                       local) &&
+            if (traverse<kAny, kFilter, false, kCount>(query, query.scene.trees[object.tree], local,
+                                                       nullptr) &&
                 kAny)
                 return true;
         }
@@ -259,7 +260,8 @@ HWY_INLINE StackEntry push_all(const Tree& tree, StackEntry*& top, const WideNod
 }
 
 template <bool kAny, bool kFilter, bool kObjects, bool kCount>
-HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray) {
+HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray,
+                         const WideNode* start) {
     if (tree.is_empty) return false;
     const BoxRay boxes(ray.sheared, make_slab_ray(ray.sheared, tree.largest_coordinate));
     const BlockRay lanes(ray.sheared);
@@ -268,6 +270,11 @@ HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray) {
     StackEntry* top = stack;
     StackEntry entry = tree.root;
     alignas(64) float t_near[kNodeWidth];
+    if (start != nullptr) {
+        const uint32_t hits = hit_boxes(*start, boxes, t_limit, t_near);
+        if (hits == 0) return false;
+        entry = push_others(tree, top, *start, t_near, hits);
+    }
     for (;;) {
         while (!ChildRef::is_leaf(entry_ref(entry))) {
             if (kCount) ++query.steps;
@@ -299,20 +306,20 @@ HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray) {
 }
 
 template <bool kAny, bool kFilter, bool kObjects, bool kCount>
-HWY_INLINE bool run(Query& query) {
+HWY_INLINE bool run(Query& query, const WideNode* start) {
     LocalRay local;
     if (!to_world_kernel(query.ray, local)) return false;
     local.instance = query.scene.merged.only_instance();
     query.best = {query.ray.t_max, 0, 0, {0, 0}};
-    traverse<kAny, kFilter, kObjects, kCount>(query, query.scene.top, local);
+    traverse<kAny, kFilter, kObjects, kCount>(query, query.scene.top, local, start);
     return query.found;
 }
 
 template <bool kFilter, bool kObjects, bool kCount>
 bool closest(const BvhScene& scene, const Ray& ray, Hit& hit, const HitFilter* filter,
-             uint32_t* steps) {
+             uint32_t* steps, const WideNode* entry) {
     Query query{scene, ray, filter, {}};
-    const bool found = run<false, kFilter, kObjects, kCount>(query);
+    const bool found = run<false, kFilter, kObjects, kCount>(query, entry);
     if (kCount) *steps = query.steps;
     if (found) hit = query.best;
     return found;
@@ -321,7 +328,7 @@ bool closest(const BvhScene& scene, const Ray& ray, Hit& hit, const HitFilter* f
 template <bool kFilter, bool kObjects>
 bool occluded(const BvhScene& scene, const Ray& ray, const HitFilter* filter) {
     Query query{scene, ray, filter, {}};
-    return run<true, kFilter, kObjects, false>(query);
+    return run<true, kFilter, kObjects, false>(query, nullptr);
 }
 
 template <bool kObjects>

@@ -8,10 +8,9 @@
 #pragma once
 
 #include "core/geometry/force_inline.h"
-#include "core/integrate/coverage.h"
 #include "core/integrate/medium_point.h"
+#include "core/integrate/path_rays.h"
 #include "core/integrate/path_state.h"
-#include "core/integrate/pixel_filter.h"
 #include "core/integrate/sampler.h"
 #include "core/integrate/tiers.h"
 #include "core/scattering/bsdf.h"
@@ -60,46 +59,6 @@ void show_value(Recorder& recorder, PathValue what, T& value) {
 template <EffectSet kTier>
 inline constexpr bool kHasVolumes =
     kTier.has(Effect::transmission) || kTier.has(Effect::diffuse_transmission);
-
-template <EffectSet kTier>
-inline constexpr bool kHasAlpha = kTier.has(Effect::alpha_mask) || kTier.has(Effect::alpha_blend);
-
-// Whether the nearest hit is one; else the nearest that is. Out of line, so that hits without a
-// question keep their registers.
-template <EffectSet kTier>
-[[gnu::noinline]] bool ask_coverage(const RenderScene& rs, const Sampler& sampler, uint32_t bounce,
-                                    const Ray& ray, Hit& hit) {
-    const CoverageContext context{&rs, sampler.coverage_seed(bounce, 0), bounce == 0};
-    if (accept_coverage<kTier>(&context, ray, hit)) return true;
-    hit = Hit{};
-    return rs.scene().accel().closest(ray, hit, HitFilter{&accept_coverage<kTier>, &context});
-}
-
-// Closest hit as this kind of ray sees the scene. Most hits need no question: the filter is asked
-// of the nearest one, and traversal runs again with it only where that one is no hit.
-template <EffectSet kTier>
-bool intersect(const RenderScene& rs, const Sampler& sampler, uint32_t bounce, const Ray& ray,
-               Hit& hit) {
-    constexpr uint8_t kAlpha = kHasAlpha<kTier> ? kCoverageAlpha : 0;
-    constexpr uint8_t kSide = kTier.has(Effect::single_sided) ? kCoverageSingleSided : 0;
-    if (!rs.scene().accel().closest(ray, hit)) return false;
-    if constexpr ((kAlpha | kSide) != 0) {
-        if (kAlpha != 0 || bounce == 0) {
-            const uint8_t relevant = rs.any_coverage() & (bounce == 0 ? kAlpha | kSide : kAlpha);
-            if (relevant != 0 && (rs.coverage_flags(hit.id) & relevant) != 0)
-                return ask_coverage<kTier>(rs, sampler, bounce, ray, hit);
-        }
-    }
-    return true;
-}
-
-template <EffectSet kTier>
-bool is_occluded(const RenderScene& rs, const Sampler& sampler, uint32_t bounce, const Ray& ray) {
-    if (!kHasAlpha<kTier> || (rs.any_coverage() & kCoverageAlpha) == 0)
-        return rs.scene().accel().occluded(ray);
-    const CoverageContext context{&rs, sampler.coverage_seed(bounce, 1), false};
-    return rs.scene().accel().occluded(ray, HitFilter{&accept_coverage<kTier>, &context});
-}
 
 // Light of the environment that the ray escapes to.
 template <EffectSet kTier, typename Recorder>
@@ -439,14 +398,12 @@ TALBOT_FORCE_INLINE bool meet_surface_of_tier(const RenderScene& rs, const PathS
                                                recorder);
 }
 
+// `entry`, unless null, is that of a beam which holds the camera ray.
 template <EffectSet kTier, typename Recorder>
 PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const PathSettings& settings,
-                      uint32_t x, uint32_t y, uint64_t sample_index, Recorder& recorder) {
-    const Sampler sampler(settings.sampler, settings.seed, x, y, sample_index);
-    const Vec2f offset = sample_pixel_filter(settings.filter, sampler.pair(Purpose::pixel));
-    Vec2f lens(0);
-    if (kTier.has(Effect::depth_of_field) && camera.has_lens()) lens = sampler.pair(Purpose::lens);
-    Ray ray = camera.ray(static_cast<float>(x) + offset.x, static_cast<float>(y) + offset.y, lens);
+                      const CameraSample& start, const BeamEntry* entry, Recorder& recorder) {
+    const Sampler& sampler = start.sampler;
+    Ray ray = start.ray;
     PathSample result;
     PathState path;
     if constexpr (has_cones(kTier)) path.cone = camera.cone(ray).narrowed(kConeShare);
@@ -454,7 +411,8 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
     for (uint32_t bounce = 0;; ++bounce) {
         Hit hit;
         ++result.rays;
-        const bool found = intersect<kTier>(rs, sampler, bounce, ray, hit);
+        const bool found =
+            intersect<kTier>(rs, sampler, bounce, ray, hit, bounce == 0 ? entry : nullptr);
         if constexpr (Recorder::kActive) recorder.ray(bounce, ray, found, hit, path);
         if constexpr (kTier.has(Effect::scattering_medium)) {
             if (path.in_medium && path.medium.scatters()) {
@@ -486,6 +444,14 @@ PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const Pat
     }
     result.Li = path.Li;
     return result;
+}
+
+template <EffectSet kTier, typename Recorder>
+PathSample trace_path(const RenderScene& rs, const CameraRays& camera, const PathSettings& settings,
+                      uint32_t x, uint32_t y, uint64_t sample_index, Recorder& recorder) {
+    return trace_path<kTier>(rs, camera, settings,
+                             sample_camera<kTier>(camera, settings, x, y, sample_index), nullptr,
+                             recorder);
 }
 
 }  // namespace talbot

@@ -32,6 +32,13 @@ inline constexpr float kSlabOriginPad = 0x7p-24f;
 // Near and far differ by at most 7 eps relative, and the reported t is rounded once more.
 inline constexpr float kSlabFarFactor = 1 + 0x10p-24f;
 
+// Beams. Bounds of t carry four roundings; where denormals count as zero, planes and products are
+// off by less than the least float and its product with the largest reciprocal. Directions that
+// come nearer to no slope along an axis count as having both signs.
+inline constexpr float kBeamPad = 0x1p-20f;
+inline constexpr float kLeastBeamSlope = 0x1p-60f;
+inline constexpr float kLeastBeamTime = 0x1p-64f;
+
 // Edge functions of a triangle sheared along the ray (Woop, Benthin, Wald 2013): with e the largest
 // coordinate difference between two vertices and z the depth of one, a computed edge function
 // differs from the exact one by at most eps e (40 z + 160 e) whenever the ray meets the triangle

@@ -135,6 +135,10 @@ class DoubleAccel final : public Accel {
     bool closest(const Ray& ray, Hit& hit, const HitFilter& filter) const override {
         return search(ray, &filter, hit);
     }
+    BeamEntry enter(const Beam&) const override { return {}; }
+    bool closest(const Ray& ray, Hit& hit, const BeamEntry&) const override {
+        return closest(ray, hit);
+    }
     bool occluded(const Ray& ray) const override {
         Hit hit;
         return search(ray, nullptr, hit);

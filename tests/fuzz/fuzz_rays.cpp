@@ -1,5 +1,6 @@
 // libFuzzer on the ray engine: any bytes as triangles, instances, spheres and rays. Structures of
-// both qualities, and a refitted one, must give the hits of brute force; none may crash or hang.
+// both qualities, and a refitted one, must give the hits of brute force, alone and entered as a
+// beam; none may crash or hang.
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -66,11 +67,13 @@ bool same(const Hit& a, const Hit& b) {
            std::memcmp(&a.v, &b.v, sizeof(float)) == 0 && a.id == b.id;
 }
 
-void compare(const Accel& accel, const Accel& oracle, const Ray& ray) {
+void compare(const Accel& accel, const Accel& oracle, const Ray& ray, const BeamEntry& entry) {
     Hit expected;
     Hit hit;
     const bool expect = oracle.closest(ray, expected);
     if (accel.closest(ray, hit) != expect || accel.occluded(ray) != expect) std::abort();
+    if (expect && !same(hit, expected)) std::abort();
+    if (accel.closest(ray, hit, entry) != expect) std::abort();
     if (expect && !same(hit, expected)) std::abort();
     LeafPlace place;
     if (expect && !accel.find_leaf(ray, hit, place)) std::abort();
@@ -109,16 +112,23 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     input.quality = BuildQuality::high;
     const auto high = build_accel(input, pool);
     const auto refitted = refit_accel(*fast, input, pool);
-    for (int rays = 0; rays < 24 && !bytes.empty(); ++rays) {
+    std::vector<Ray> rays;
+    while (rays.size() < 24 && !bytes.empty()) {
         Ray ray;
         ray.o = bytes.point();
         ray.d = bytes.point();
         if (bytes.byte() % 2 != 0) ray.d = positions[bytes.byte() % positions.size()] - ray.o;
         if (bytes.byte() % 4 == 0) ray.t_max = bytes.number();
         if (bytes.byte() % 4 == 0) ray.skip_from = {0, bytes.byte()};
-        compare(*fast, *oracle, ray);
-        compare(*high, *oracle, ray);
-        if (refitted) compare(*refitted, *oracle, ray);
+        rays.push_back(ray);
+    }
+    // Two by two, neighbours enter together.
+    for (size_t i = 0; i < rays.size(); ++i) {
+        Beam beam;
+        for (size_t k = i & ~size_t{1}; k < rays.size() && k <= (i | 1); ++k) beam.add(rays[k]);
+        for (const Accel* accel : {fast.get(), high.get(), refitted.get()}) {
+            if (accel) compare(*accel, *oracle, rays[i], accel->enter(beam));
+        }
     }
     return 0;
 }
