@@ -237,6 +237,45 @@ TEST(Instances, MergedOnesKeepTheirIds) {
     }
 }
 
+// A ray from far away is rounded more coarsely than the instance is large, in world space as in
+// object space; what it meets there is found all the same.
+TEST(Instances, AreFoundByRaysFromFarAway) {
+    SceneData scene = scene_of(displaced_sphere(4, 0.2f));
+    scene.meshes.push_back(displaced_sphere(6, 0.3f));
+    for (int i = 0; i < 6; ++i) {
+        Mat4d m(1.0);
+        m[0] = Vec4d(0.4, 0.1 * i, 0.3, 0);
+        m[1] = Vec4d(-0.2, 0.5, 0.1 * i, 0);
+        m[2] = Vec4d(0.1, -0.2, 0.6, 0);
+        m[3] = Vec4d(3 * i, 5 - i, 2 * i, 1);
+        scene.place(1, m);
+    }
+    const auto oracle = build_brute_force(scene.input());
+    const auto accel = build(scene);
+    Rng rng(8);
+    uint64_t wrong = 0;
+    uint64_t hits = 0;
+    for (int i = 0; i < 5000; ++i) {
+        const Vec3f target(rng.uniform(-1, 16), rng.uniform(-1, 6), rng.uniform(-1, 11));
+        Ray ray;
+        ray.o = std::exp2(rng.uniform(4, 44)) * rng.direction();
+        ray.d = target - ray.o;
+        Hit expected;
+        Hit hit;
+        const bool expect = oracle->closest(ray, expected);
+        Beam beam;
+        beam.add(ray);
+        const BeamEntry entry = accel->enter(beam);
+        wrong += accel->closest(ray, hit) != expect || (expect && !same_hit(hit, expected));
+        wrong += accel->closest(ray, hit, entry) != expect || accel->occluded(ray) != expect;
+        LeafPlace place;
+        wrong += expect && !accel->find_leaf(ray, expected, place);
+        hits += expect && expected.id.instance > 0;
+    }
+    EXPECT_EQ(wrong, 0u);
+    EXPECT_GT(hits, 100u);
+}
+
 TEST(InstancesDeathTest, SingularTransformsMustNotArrive) {
     SceneData scene;
     scene.meshes.push_back(displaced_sphere(1, 0));

@@ -173,5 +173,32 @@ TEST(Spheres, OriginsInsideAndZeroRadius) {
     EXPECT_TRUE(accel->occluded(ray));
 }
 
+// Boxes are built where denormals count as zero; rays may be traced where they do not.
+TEST(Spheres, OfDenormalSizeAreFoundAsByBruteForce) {
+    SceneData scene;
+    Rng rng(6);
+    for (int i = 0; i < 40; ++i) {
+        const double radius = std::exp2(rng.uniform(-140, -120));
+        scene.spheres.push_back({radius * Vec3d(rng.direction()), radius, false});
+    }
+    const auto oracle = build_brute_force(scene.input());
+    const auto accel = build(scene);
+    uint64_t wrong = 0;
+    uint64_t hits = 0;
+    for (int i = 0; i < 20000; ++i) {
+        Ray ray;
+        ray.o =
+            Vec3f(std::exp2(static_cast<double>(rng.uniform(-140, -110))) * Vec3d(rng.direction()));
+        ray.d = rng.direction();
+        Hit expected;
+        Hit hit;
+        const bool expect = oracle->closest(ray, expected);
+        wrong += accel->closest(ray, hit) != expect || (expect && !same_hit(hit, expected));
+        hits += expect;
+    }
+    EXPECT_EQ(wrong, 0u);
+    EXPECT_GT(hits, 1000u);
+}
+
 }  // namespace
 }  // namespace talbot::test

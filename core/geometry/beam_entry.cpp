@@ -160,7 +160,16 @@ void find_beam_entry(const Tree& tree, const Beam& beam, BeamEntry& entry) {
                         beam.origins.largest_coordinate() <= kMaxCoordinate &&
                         beam.directions.largest_coordinate() <= kMaxDirection;
     entry.is_root = !usable;
-    if (usable) HWY_DYNAMIC_DISPATCH(open_for_beam)(tree, beam, entry.node);
+    if (!usable) return;
+    Beam wide = beam;
+    if (!tree.objects.empty()) {
+        // As for single rays: they are rounded again in the space of an instance.
+        const float pad =
+            static_cast<float>(kInstanceBoundsPad) * beam.origins.largest_coordinate();
+        wide.origins.lower -= pad;
+        wide.origins.upper += pad;
+    }
+    HWY_DYNAMIC_DISPATCH(open_for_beam)(tree, wide, entry.node);
 }
 
 }  // namespace talbot

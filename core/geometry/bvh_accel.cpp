@@ -10,10 +10,12 @@ namespace talbot {
 namespace {
 
 BuildPrimitive object_primitive(const Vec3d& lower, const Vec3d& upper, size_t index) {
+    // Room for what becomes zero where denormals do.
+    constexpr float kLeast = std::numeric_limits<float>::min();
     BuildPrimitive p;
     for (int i = 0; i < 3; ++i) {
-        p.lower[i] = next_float_down(static_cast<float>(lower[i]));
-        p.upper[i] = next_float_up(static_cast<float>(upper[i]));
+        p.lower[i] = next_float_down(static_cast<float>(lower[i]) - kLeast);
+        p.upper[i] = next_float_up(static_cast<float>(upper[i]) + kLeast);
     }
     p.instance = kObjectPrimitive;
     p.index = static_cast<uint32_t>(index);

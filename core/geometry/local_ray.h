@@ -93,7 +93,9 @@ TALBOT_FORCE_INLINE float reciprocal_power(float x) {
     return std::bit_cast<float>((254u << 23) - (std::bit_cast<uint32_t>(x) & kExponent));
 }
 
-// For boxes whose coordinates are at most largest_coordinate in size.
+// For boxes whose coordinates are at most largest_coordinate in size. With kInstances among them:
+// a ray is rounded again in object space, which far from its origin shifts it along every axis.
+template <bool kInstances>
 TALBOT_FORCE_INLINE SlabRay make_slab_ray(const ShearedRay& ray, float largest_coordinate) {
     const Float4 none = {0, 0, 0, 0};
     const Float4 d = {ray.d[0], ray.d[1], ray.d[2], 1};
@@ -101,14 +103,14 @@ TALBOT_FORCE_INLINE SlabRay make_slab_ray(const ShearedRay& ray, float largest_c
     SlabRay slabs;
     slabs.reciprocal = 1 / d;
     Float4 reach = none;
+    const float far_origin = std::bit_cast<float>(std::max(
+        magnitude_bits(ray.o[0]), std::max(magnitude_bits(ray.o[1]), magnitude_bits(ray.o[2]))));
     const float parallel = kParallelShare * std::abs(ray.d[ray.kz]);
     const uint32_t least = std::min(magnitude_bits(ray.d[0]),
                                     std::min(magnitude_bits(ray.d[1]), magnitude_bits(ray.d[2])));
     if (std::bit_cast<float>(least) < parallel) [[unlikely]] {
         // In registers throughout: rays along axes are common, and cost next to nothing this way.
-        const uint32_t far_origin = std::max(
-            magnitude_bits(ray.o[0]), std::max(magnitude_bits(ray.o[1]), magnitude_bits(ray.o[2])));
-        const float size = std::max(largest_coordinate, std::bit_cast<float>(far_origin));
+        const float size = std::max(largest_coordinate, far_origin);
         const float pad = size * (2 * kParallelReach) * reciprocal_power(std::abs(ray.d[ray.kz]));
         const auto is_parallel = abs4(d) < none + parallel;
         slabs.reciprocal =
@@ -116,7 +118,9 @@ TALBOT_FORCE_INLINE SlabRay make_slab_ray(const ShearedRay& ray, float largest_c
         reach = is_parallel ? none + pad : none;
     }
     const Float4 c = o * slabs.reciprocal;
-    const Float4 pad = kSlabOriginPad * abs4(c) + reach;
+    Float4 pad = kSlabOriginPad * abs4(c) + reach;
+    if constexpr (kInstances)
+        pad += static_cast<float>(kInstanceBoundsPad) * far_origin * abs4(slabs.reciprocal);
     slabs.near_offset = c + pad;
     slabs.far_reciprocal = slabs.reciprocal * kSlabFarFactor;
     slabs.far_offset = (c - pad) * kSlabFarFactor;

@@ -263,7 +263,7 @@ template <bool kAny, bool kFilter, bool kObjects, bool kCount>
 HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray,
                          const WideNode* start) {
     if (tree.is_empty) return false;
-    const BoxRay boxes(ray.sheared, make_slab_ray(ray.sheared, tree.largest_coordinate));
+    const BoxRay boxes(ray.sheared, make_slab_ray<kObjects>(ray.sheared, tree.largest_coordinate));
     const BlockRay lanes(ray.sheared);
     float t_limit = limit_of(query, ray);
     StackEntry stack[kStackSize];

@@ -59,8 +59,8 @@ inline constexpr float kSplitRounding = 0x1p-22f;
 // Boxes thinner than this are not split by planes: the above would be denormal.
 inline constexpr float kMinSplitExtent = 0x1p-60f;
 
-// World bounds of an instance are widened by this share of the largest coordinate: the ray is
-// rounded once in object space.
+// World bounds of an instance are widened by this share of the largest coordinate, and those of
+// all its neighbours by this share of the ray's origin: the ray is rounded once in object space.
 inline constexpr double kInstanceBoundsPad = 0x40p-24;
 
 // A point on a ray that lies further than this share of the coordinates short of a surface is not

@@ -94,7 +94,7 @@ inline bool exact_box(const Ray& ray, const Bounds& box) {
 inline bool own_box(const Ray& ray, const Bounds& box, bool fused) {
     LocalRay local;
     if (!to_world_kernel(ray, local)) return false;
-    const SlabRay slabs = make_slab_ray(local.sheared, box.largest_coordinate());
+    const SlabRay slabs = make_slab_ray<false>(local.sheared, box.largest_coordinate());
     const auto plane_t = [&](float p, float r, float c) {
         return fused ? std::fma(p, r, -c) : p * r - c;
     };
