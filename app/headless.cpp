@@ -99,34 +99,39 @@ Metadata metadata_of(const Snapshot& s) {
     return metadata;
 }
 
+// Every file, whatever becomes of the others; the first error.
 Status write_files(const Options& options, RenderSession& session, const Snapshot& s,
                    WorkerPool& pool, std::string& film_hash) {
+    Status first = Done{};
+    const auto note = [&first](Status status) {
+        if (status) return;
+        if (first)
+            first = std::move(status);
+        else
+            log_error(status.error().line());
+    };
     std::vector<ImageLayer> layers;
     if (!options.aovs.empty()) {
         session.with_film(
             [&](const FilmView& view) { layers = make_aov_layers(options.aovs, s, view, pool); });
     }
     for (const std::string& output : options.outputs) {
-        if (Status status = save_picture(output, *s.image, options.display, layers, metadata_of(s));
-            !status)
-            return status;
+        note(save_picture(output, *s.image, options.display, layers, metadata_of(s)));
     }
-    Status film_status = Done{};
     session.with_film([&](const FilmView& view) {
         if (!options.report.empty()) film_hash = view.film.hash();
         for (const std::string& file : {options.film, options.checkpoint}) {
-            if (file.empty() || !film_status) continue;
-            film_status = save_film(
-                file, view.film, film_metadata(*s.scene, s.camera, s.settings, view), view.error);
+            if (file.empty()) continue;
+            note(save_film(file, view.film, film_metadata(*s.scene, s.camera, s.settings, view),
+                           view.error));
         }
     });
-    if (!film_status) return film_status;
     if (!options.screenshot.empty()) {
         ScreenshotOptions window;
         window.display = options.display;
-        return save_window_screenshot(session, window, options.screenshot);
+        note(save_window_screenshot(session, window, options.screenshot));
     }
-    return Done{};
+    return first;
 }
 
 int report_error(const Error& error) {
@@ -179,15 +184,14 @@ bool render(RenderSession& session, const Options& options, const SceneSetup& se
 
 int finish(const Options& options, RenderSession& session, WorkerPool& pool, RunRecord record) {
     const Clock::time_point write_start = Clock::now();
-    if (Status status = write_files(options, session, *record.snapshot, pool, record.film_hash);
-        !status)
-        return report_error(status.error());
+    const Status written = write_files(options, session, *record.snapshot, pool, record.film_hash);
     record.seconds.write = seconds_since(write_start);
     record.seconds.total += record.seconds.write;
     if (!options.report.empty()) {
         if (Status status = write_text(options.report, run_record_json(record)); !status)
             return report_error(status.error());
     }
+    if (!written) return report_error(written.error());
     const NonFiniteCount& bad = record.snapshot->nonfinite;
     if (bad.total() > 0) {
         log_warning(std::to_string(bad.total()) +
@@ -249,7 +253,8 @@ int run_headless(const Options& given, Clock::time_point process_start) {
     record.interrupted = render(session, options, *setup, std::move(*resumed));
     const std::shared_ptr<const Snapshot> snapshot = session.latest();
     if (!snapshot) {
-        log_error("interrupted before the first sample; nothing was written");
+        log_error(std::string("interrupted within the first pass: there is no picture to write") +
+                  (options.checkpoint.empty() ? "" : "; the checkpoint has what it last saved"));
         return kExitInterrupted;
     }
     record.snapshot = snapshot.get();

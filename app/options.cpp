@@ -83,14 +83,9 @@ Result<std::vector<double>> parse_numbers(const std::string& text, const std::st
 template <typename T>
 Status set_whole(const std::string& text, const std::string& option, uint64_t most, T& value) {
     if (text.empty()) return Done{};
-    uint64_t number = 0;
-    const char* end = text.data() + text.size();
-    const auto [stop, code] = std::from_chars(text.data(), end, number);
-    if (code != std::errc{} || stop != end || number > most) {
-        return usage_error(
-            option, "'" + text + "' is not a whole number from 0 to " + std::to_string(most));
-    }
-    value = static_cast<T>(number);
+    const Result<uint64_t> number = parse_whole(text, option, most);
+    if (!number) return number.error();
+    value = static_cast<T>(*number);
     return Done{};
 }
 
@@ -146,9 +141,8 @@ void declare(CLI::App& app, Options& o, RawOptions& raw) {
                    "glTF scene (.gltf or .glb); without it the built-in scene");
     app.add_option("--frames", raw.frames, "headless: N passes of one sample per pixel, then exit");
     app.add_option("--time", o.time_seconds, "headless: stop at this wall-clock budget in seconds");
-    app.add_option(
-        "--target-error", o.target_error_percent,
-        "headless: stop when the upper 95 % bound of the estimated relative RMSE is below PCT");
+    app.add_option("--target-error", o.target_error_percent,
+                   "headless: stop when the relative RMSE is below PCT with a probability of 90 %");
     app.add_option("--output", o.outputs, "write .png, .exr, .hdr or .pfm; may be repeated")
         ->allow_extra_args(false);
     app.add_option("--screenshot", o.screenshot,
@@ -418,12 +412,6 @@ Result<std::optional<Options>> parse_options(std::span<const std::string> words)
     const Result<bool> parsed = parse_words(app, words);
     if (!parsed) return parsed.error();
     if (!*parsed) return std::optional<Options>();
-    // Typically a shell variable that is not set; it must not pass for "option not given".
-    for (const CLI::Option* option : app.get_options()) {
-        for (const std::string& value : option->results()) {
-            if (value.empty()) return usage_error(option->get_name(), "has an empty value");
-        }
-    }
     if (Status status = convert(raw, options); !status) return status.error();
     if (Status status = check_combination(raw, options); !status) return status.error();
     return std::optional<Options>(std::move(options));

@@ -48,6 +48,18 @@ TEST(Checkpoint, ResumedRunEqualsUninterruptedOne) {
     }
 }
 
+// The bytes would be the same had all been rendered anew: the time must not allow that.
+TEST(Checkpoint, ResumedRunKeepsWhatItWasGiven) {
+    const Folder folder("keeps");
+    const std::string film = folder / "part.film";
+    ASSERT_EQ(run(kCornell + "--frames 150 --film " + film).code, 0);
+    ASSERT_EQ(run(kCornell + "--time 0.01 --resume " + film + " --film " + film + " --report " +
+                  (folder / "r.json"))
+                  .code,
+              0);
+    EXPECT_GE(read_json(folder / "r.json")["passes"], 150);
+}
+
 TEST(Checkpoint, GoesOnFromAFilmThatEndsWithinAPass) {
     const Folder folder("within");
     const std::string film = folder / "part.film";

@@ -321,6 +321,11 @@ TEST_F(CommandLine, OptionsThatWouldBeIgnoredAreRefused) {
     expect_refusal("effects " + small + "--report " + path("x.json"), 2, "--output");
     expect_refusal("accuracy " + small + "--output " + path("x.png"), 2, "--output");
     expect_refusal("hardcases --seed -1", 2, "--seed");
+    expect_refusal("hardcases --seed 99999999999999999999999", 2, "--seed");
+    expect_refusal("hardcases --scene ''", 2, "empty");
+    expect_refusal("hardcases --json - --html -", 2, "standard output");
+    expect_refusal("hardcases --twin " + small + "--difference " + path("d.png"), 2, ".exr");
+    expect_refusal("merge " + path("m.film") + " " + path("n.film") + " --json ''", 2, "empty");
 }
 
 TEST_F(CommandLine, LostStandardOutputIsAFailure) {
@@ -348,6 +353,31 @@ TEST_F(CommandLine, MessagesStayOneLine) {
     EXPECT_EQ(named.code, 3);
     EXPECT_EQ(std::count(named.output.begin(), named.output.end(), '\n'), 1) << named.output;
     EXPECT_EQ(named.output.find('\x1b'), std::string::npos);
+}
+
+// A file that cannot be written takes no other with it.
+TEST_F(CommandLine, WritesTheOtherFilesWhereOneFails) {
+    const std::string render = kCornell + " --frames 2 --size 128x96 --output " +
+                               path("large.pfm") + " --output " + path("small.png") + " --report " +
+                               path("r.json");
+    const Outcome outcome =
+        run(render, R"(bash -c 'trap "" XFSZ; ulimit -f 100; exec "$@"' --)");  // in kilobytes
+    EXPECT_EQ(outcome.code, 4);
+    EXPECT_FALSE(fs::exists(path("large.pfm")));
+    EXPECT_TRUE(fs::exists(path("small.png")));
+    EXPECT_TRUE(fs::exists(path("r.json")));
+    EXPECT_NE(outcome.output.find("large.pfm"), std::string::npos) << outcome.output;
+    EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+}
+
+// Where the metric's constant, or what is divided by it, is out of range.
+TEST_F(CommandLine, AnyExposureIsMeasuredWith) {
+    for (const char* ev : {"64", "-64"}) {
+        const Outcome outcome = run(kCornell + " --frames 4 --size 64x48 --exposure " + ev +
+                                    " --report " + path("r.json"));
+        ASSERT_EQ(outcome.code, 0) << ev << outcome.output;
+        EXPECT_TRUE(program::read_json(path("r.json"))["error"]["relrmse_percent"].is_number());
+    }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <optional>
 
 #include "app/exit_code.h"
@@ -56,8 +57,8 @@ Result<std::optional<HardcasesOptions>> parse(std::span<const std::string> args)
     app.add_option("--html", o.html, "page with pictures and curves, in one file");
     app.add_option("--threads", o.settings.threads, "of the workers (all cores)")
         ->check(CLI::Range(0u, 1024u));
-    app.add_option("--seed", o.settings.seed, "of the cases' random numbers (0)")
-        ->check(CLI::NonNegativeNumber);
+    std::string seed = "0";
+    app.add_option("--seed", seed, "of the cases' random numbers (0)");
     add_isa_option(app);
     app.add_option(
         "--scene", o.scene,
@@ -81,6 +82,14 @@ Result<std::optional<HardcasesOptions>> parse(std::span<const std::string> args)
     if (!o.scene_file().empty() && (!o.only.empty() || !o.html.empty() || !o.scenes.empty()))
         return usage("--scene and --twin go with none of --only, --html and --save-scenes");
     if (!o.difference.empty() && o.twin.empty()) return usage("--difference belongs to --twin");
+    if (!o.difference.empty() && extension_of(o.difference) != ".exr")
+        return usage("--difference writes an .exr; '" + o.difference + "' is none");
+    if (o.json == "-" && o.html == "-")
+        return usage("--json and --html cannot both be the standard output");
+    const Result<uint64_t> number =
+        parse_whole(seed, "--seed", std::numeric_limits<uint64_t>::max());
+    if (!number) return number.error();
+    o.settings.seed = *number;
     if (full) o.effort = Effort::full;
     if (Status status = check_output_files({o.json, o.html, o.difference}, {o.scene_file()});
         !status)

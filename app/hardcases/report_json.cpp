@@ -101,7 +101,7 @@ std::string cases_json(const CaseReport& report) {
     j["seconds"] = report.outcome.seconds;
     j["cpu_seconds"] = report.outcome.cpu_seconds;
     j["interrupted"] = report.outcome.interrupted;
-    j["kept"] = totals.kept;
+    j["kept"] = totals.kept && !report.outcome.interrupted;
     return j.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 

@@ -75,7 +75,7 @@ std::string stress_json(const StressReport& report) {
                          {"transforms", std::move(rows)},
                          {"seconds", report.seconds},
                          {"interrupted", report.interrupted},
-                         {"kept", report.kept()}};
+                         {"kept", report.kept() && !report.interrupted}};
     return j.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 

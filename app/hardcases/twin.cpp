@@ -108,7 +108,7 @@ std::string twin_json(const TwinReport& report) {
                          {"worst", std::move(worst)},
                          {"seconds", report.seconds},
                          {"interrupted", report.interrupted},
-                         {"kept", broken.empty() && c.samples > 0},
+                         {"kept", broken.empty() && c.samples > 0 && !report.interrupted},
                          {"why", broken}};
     return j.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
@@ -145,11 +145,11 @@ void print_twin(const TwinReport& report, std::FILE* out) {
             twin::kPartingNames[static_cast<std::size_t>(s.why)].data(), s.vertex + 1, s.change);
     }
     const std::string broken = broken_twin(c);
-    const std::string verdict = c.samples == 0    ? "no samples"
-                                : !broken.empty() ? "BROKEN: " + broken
-                                                  : "KEPT";
-    std::fprintf(out, "%s; %.1f s%s\n", verdict.c_str(), report.seconds,
-                 report.interrupted ? " (interrupted)" : "");
+    const std::string verdict = report.interrupted ? "interrupted: no verdict"
+                                : c.samples == 0   ? "no samples"
+                                : !broken.empty()  ? "BROKEN: " + broken
+                                                   : "KEPT";
+    std::fprintf(out, "%s; %.1f s\n", verdict.c_str(), report.seconds);
 }
 
 }  // namespace talbot::hardcases

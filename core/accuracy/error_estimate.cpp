@@ -147,7 +147,9 @@ std::string_view trust_name(Trust trust) {
 }
 
 double metric_constant(double exposure_ev) {
-    return kMetricConstant * std::exp2(-2 * exposure_ev);
+    // Beyond this the constant, or what is divided by it, leaves the range of float.
+    constexpr double kMostEv = 40;
+    return kMetricConstant * std::exp2(-2 * std::clamp(exposure_ev, -kMostEv, kMostEv));
 }
 
 bool ErrorEstimate::meets(double target_percent) const {

@@ -8,6 +8,7 @@
 #include <bit>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "core/accuracy/packed_difference.h"
 #include "core/base/check.h"
@@ -246,7 +247,8 @@ class StripPass {
         const std::size_t columns = (width + kErrorBlock - 1) / kErrorBlock;
         const std::size_t start = static_cast<std::size_t>(y) * width;
         for (uint32_t x = 0; x < width; ++x) {
-            const float q = quotient_[x];
+            // What is next to nothing beside a bright difference may overflow.
+            const float q = std::min(quotient_[x], std::numeric_limits<float>::max());
             const double wide = static_cast<double>(q);
             result.sum += wide;
             result.previous_sum += static_cast<double>(previous_quotient_[x]);

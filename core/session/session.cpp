@@ -245,10 +245,11 @@ class RenderSession::Impl {
 
     void take_pending_film() {
         const std::shared_ptr<FilmState> state = std::exchange(pending_film_, nullptr);
-        if (!state || state->film.width() != film_.width() ||
-            state->film.height() != film_.height())
+        if (!state || state->film.width() != settings_.width ||
+            state->film.height() != settings_.height)
             return;
         film_ = std::move(state->film);
+        film_is_stale_ = false;
         passes_ = state->error.adaptive ? state->error.passes : film_.min_samples();
         samples_ = film_.total_samples();
         rays_ = state->rays;

@@ -9,7 +9,8 @@ const bool kShapes = add_not_simulated(
      "glTF has triangles; Talbot adds exact spheres (G11, G12) and nothing else"});
 
 const bool kMotion = add_not_simulated(
-    {"G21", "motion blur", "Talbot renders one instant of an animation, with the shutter closed"});
+    {"G21", "motion blur inside a ray's time",
+     "with --shutter every sample has an instant of its own, at which the scene stands still"});
 
 }  // namespace
 }  // namespace talbot::hardcases::g20
