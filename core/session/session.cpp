@@ -222,7 +222,7 @@ class RenderSession::Impl {
             view_ = ViewMoments(prepare_view(source_, camera_, settings_, *pool_, &view_.view()));
             passes_ = 0;
             samples_ = rays_ = 0;
-            render_seconds_ = 0;
+            render_seconds_ = resumed_seconds_ = 0;
             nonfinite_ = {};
             notes_ = {};
             stop_reached_ = false;
@@ -231,7 +231,6 @@ class RenderSession::Impl {
             layers_.restart();
             tracker_.reset(error_exposure_, settings_.first_sample,
                            settings_.adaptive && !view_.moves());
-            resumed_seconds_ = 0;
             shown_image_.reset();
             take_pending_film();
         } else if (source_ && shown_image_) {

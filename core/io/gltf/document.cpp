@@ -10,6 +10,7 @@
 #include "core/io/gltf/specular_glossiness.h"
 #include "core/io/gltf/structure.h"
 #include "core/io/gltf/uri.h"
+#include "core/io/gltf/value_check.h"
 #include "core/io/image_io.h"
 
 namespace talbot::gltf {
@@ -281,6 +282,7 @@ Result<Document> read_document(const std::filesystem::path& file, uint64_t max_b
     if (!root) return root.error();
     if (Status shape = check_structure(*root); !shape)
         return document.error(shape.error().element, shape.error().what);
+    note_wrong_values(*root, document.warnings);
     Result<std::vector<CompressedView>> compressed = find_compressed_views(*root);
     if (!compressed) return document.error(compressed.error().element, compressed.error().what);
     const std::vector<bool> needed = find_needed_buffers(*root, *compressed);

@@ -13,6 +13,8 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr uint64_t kMaxInteger = 1ull << 53;
+// Of what is kept as an int.
+constexpr uint64_t kMaxInt = 0x7FFFFFFF;
 
 // A member that is an index into a top-level array (target) or a plain unsigned integer (target
 // empty).
@@ -67,6 +69,7 @@ class StructureCheck {
         if (!error_) check_texture_extensions();
         if (!error_) check_materials();
         if (!error_) check_animations();
+        if (!error_) check_node_extensions();
         if (error_) return *error_;
         return Done{};
     }
@@ -226,6 +229,7 @@ class StructureCheck {
             const std::string name = element + ".sparse";
             if (!sparse->is_object()) return fail(name, "is not an object");
             check_integer(*sparse, "count", "", true, name);
+            check_int_range(*sparse, name);
             for (const char* part : {"indices", "values"}) {
                 const auto found = sparse->find(part);
                 if (found == sparse->end() || !found->is_object())
@@ -286,6 +290,23 @@ class StructureCheck {
                 check_integer(*target, "node", "nodes", false, name + ".target");
             }
         });
+    }
+
+    // References of nodes' extensions.
+    void check_node_extensions() {
+        for_each("nodes", [&](const Json& node, const std::string& element) {
+            const auto extensions = node.find("extensions");
+            if (extensions != node.end()) check_int_range(*extensions, element + ".extensions");
+        });
+    }
+
+    void check_int_range(const Json& value, const std::string& element) {
+        if (error_) return;
+        if (value.is_number_unsigned() && value.get<uint64_t>() > kMaxInt)
+            return fail(element, value.dump() + " is out of range");
+        if (!value.is_object()) return;
+        for (const auto& [key, member] : value.items())
+            check_int_range(member, element + "." + key);
     }
 
     const Json& root_;
