@@ -151,6 +151,29 @@ TEST(Bvh, TieSceneHasTies) {
     EXPECT_GT(ties, 9000);
 }
 
+// Directions so long that t is denormal and many different hits round to the same.
+TEST(Bvh, TiesOfDenormalDistancesGoToTheLowerId) {
+    SceneData scene = scene_of(soup(300, 0.4f, 1));
+    for (int i = 0; i < 3; ++i) scene.show(scene.meshes[0]);
+    const auto oracle = build_brute_force(scene.input());
+    const auto accel = build(scene);
+    Rng rng(12);
+    uint64_t wrong = 0;
+    uint64_t hits = 0;
+    for (int i = 0; i < 20000; ++i) {
+        Ray ray = make_ray(scene, oracle->bounds(), rng);
+        ray.t_max = kInfinity;
+        ray.d = 0x1.8p+127f * normalize(ray.d);
+        Hit expected;
+        Hit hit;
+        const bool expect = oracle->closest(ray, expected);
+        wrong += accel->closest(ray, hit) != expect || (expect && !same_hit(hit, expected));
+        hits += expect;
+    }
+    EXPECT_EQ(wrong, 0u);
+    EXPECT_GT(hits, 2000u);
+}
+
 TEST(Bvh, SameHitsOnEveryInstructionSet) {
     const std::vector<int64_t> targets = hwy::SupportedAndGeneratedTargets();
     std::vector<std::vector<Hit>> results;

@@ -7,7 +7,9 @@
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/geometry/traverse.cpp"
+#include <algorithm>
 #include <bit>
+#include <limits>
 
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
@@ -110,9 +112,11 @@ HWY_NOINLINE bool intersect_lane(const ShearedRay& ray, const TriangleBlock& blo
     return intersect_triangle(ray, BlockCorner{block, lane}, block.extent[lane], hit);
 }
 
-// The largest t of interest in a tree, never too small.
+// The largest t of interest in a tree, never too small: a world t that is denormal, as of endlessly
+// long directions, has lost some of its bits.
 HWY_INLINE float limit_of(const Query& query, const LocalRay& ray) {
-    return query.best.t * ray.t_unscale * kSlabFarFactor;
+    const float lost = std::numeric_limits<float>::min() * std::max(1.0f, ray.t_unscale);
+    return query.best.t * ray.t_unscale * kSlabFarFactor + lost;
 }
 
 // Takes the hits in one block into the query; true when that ends the search.
