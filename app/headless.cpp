@@ -195,7 +195,8 @@ int finish(const Options& options, RenderSession& session, WorkerPool& pool, Run
     const NonFiniteCount& bad = record.snapshot->nonfinite;
     if (bad.total() > 0) {
         log_warning(std::to_string(bad.total()) +
-                    " samples were not usable and count as zero; replay the first with --pixel " +
+                    " samples were not usable and count as zero, or as 2^41 where they are too "
+                    "bright; replay the first with --pixel " +
                     std::to_string(bad.first_x) + "," + std::to_string(bad.first_y) + " --sample " +
                     std::to_string(bad.first_sample));
         if (options.strict) {

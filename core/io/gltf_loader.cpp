@@ -91,6 +91,8 @@ class GltfLoader {
         if (Status spheres = place_spheres(loading_, uses->spheres); !spheres)
             return spheres.error();
         drop_distant_instances();
+        if (desc.instances.empty() && desc.spheres.empty())
+            desc.warnings.push_back("there is nothing to see: no mesh or sphere is drawn");
         desc.reading = reading(*scene);
         report(1.0f, "scene");
         return std::move(desc);
