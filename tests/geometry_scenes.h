@@ -18,4 +18,21 @@ inline uint64_t test_scale() {
     return scale < 1 ? 1 : static_cast<uint64_t>(scale);
 }
 
+// Rays whose closest hit a structure finds as its oracle does, and those that it does not.
+struct HitComparison {
+    const Accel& accel;
+    const Accel& oracle;
+    uint64_t hits = 0;
+    uint64_t wrong = 0;
+
+    // Whether the oracle has a hit, which `expected` gets.
+    bool see(const Ray& ray, Hit& expected) {
+        Hit hit;
+        const bool expect = oracle.closest(ray, expected);
+        wrong += accel.closest(ray, hit) != expect || (expect && !same_hit(hit, expected));
+        hits += expect;
+        return expect;
+    }
+};
+
 }  // namespace talbot::test

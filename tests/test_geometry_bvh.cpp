@@ -158,20 +158,16 @@ TEST(Bvh, TiesOfDenormalDistancesGoToTheLowerId) {
     const auto oracle = build_brute_force(scene.input());
     const auto accel = build(scene);
     Rng rng(12);
-    uint64_t wrong = 0;
-    uint64_t hits = 0;
+    HitComparison found{*accel, *oracle};
     for (int i = 0; i < 20000; ++i) {
         Ray ray = make_ray(scene, oracle->bounds(), rng);
         ray.t_max = kInfinity;
         ray.d = 0x1.8p+127f * normalize(ray.d);
         Hit expected;
-        Hit hit;
-        const bool expect = oracle->closest(ray, expected);
-        wrong += accel->closest(ray, hit) != expect || (expect && !same_hit(hit, expected));
-        hits += expect;
+        found.see(ray, expected);
     }
-    EXPECT_EQ(wrong, 0u);
-    EXPECT_GT(hits, 2000u);
+    EXPECT_EQ(found.wrong, 0u);
+    EXPECT_GT(found.hits, 2000u);
 }
 
 TEST(Bvh, SameHitsOnEveryInstructionSet) {

@@ -183,21 +183,17 @@ TEST(Spheres, OfDenormalSizeAreFoundAsByBruteForce) {
     }
     const auto oracle = build_brute_force(scene.input());
     const auto accel = build(scene);
-    uint64_t wrong = 0;
-    uint64_t hits = 0;
+    HitComparison found{*accel, *oracle};
     for (int i = 0; i < 20000; ++i) {
         Ray ray;
         ray.o =
             Vec3f(std::exp2(static_cast<double>(rng.uniform(-140, -110))) * Vec3d(rng.direction()));
         ray.d = rng.direction();
         Hit expected;
-        Hit hit;
-        const bool expect = oracle->closest(ray, expected);
-        wrong += accel->closest(ray, hit) != expect || (expect && !same_hit(hit, expected));
-        hits += expect;
+        found.see(ray, expected);
     }
-    EXPECT_EQ(wrong, 0u);
-    EXPECT_GT(hits, 1000u);
+    EXPECT_EQ(found.wrong, 0u);
+    EXPECT_GT(found.hits, 1000u);
 }
 
 }  // namespace

@@ -87,16 +87,12 @@ class ValueCheck {
   private:
     // The array, or null where there is none.
     const Json* array_at(std::string_view path) const {
-        const Json* at = &root_;
-        while (!path.empty()) {
-            const size_t slash = std::min(path.find('/'), path.size());
-            if (!at->is_object()) return nullptr;
-            const auto found = at->find(std::string(path.substr(0, slash)));
-            if (found == at->end()) return nullptr;
-            at = &*found;
-            path.remove_prefix(std::min(slash + 1, path.size()));
-        }
-        return at->is_array() ? at : nullptr;
+        std::string words(1, '/');
+        words += path;
+        const Json::json_pointer where(words);
+        if (!root_.contains(where)) return nullptr;
+        const Json& found = root_[where];
+        return found.is_array() ? &found : nullptr;
     }
 
     static std::string dotted(std::string_view path) {
