@@ -173,6 +173,52 @@ TEST(Spheres, OriginsInsideAndZeroRadius) {
     EXPECT_TRUE(accel->occluded(ray));
 }
 
+// Where a root in double takes a ray for a tangent, the sphere's box is met as well: at its poles,
+// which lie on the box, and within any limit.
+TEST(Spheres, TangentsAtThePolesAreFoundAsByBruteForce) {
+    Rng rng(7);
+    uint64_t hits = 0;
+    uint64_t misses = 0;  // with no limit, of the same rays
+    uint64_t wrong = 0;
+    for (int k = 0; k < 6; ++k) {
+        const int axis = k % 3;
+        SceneData scene;
+        Vec3d center(0);
+        center[axis] = k < 3 ? 2.5 : -0.3;
+        scene.spheres.push_back({center, std::abs(center[axis]), false});
+        scene.spheres.push_back({Vec3d(20), 1, false});  // one alone has no box
+        const auto oracle = build_brute_force(scene.input());
+        const auto accel = build(scene);
+        const auto tiny = [&rng](float least, float most) {
+            const float x = std::exp2(rng.uniform(least, most));
+            return rng.uniform(-1, 1) < 0 ? -x : x;
+        };
+        for (int i = 0; i < 40000; ++i) {
+            Ray ray;
+            for (int j = 0; j < 3; ++j) {
+                ray.o[j] = j == axis ? tiny(-70, -45) : tiny(-50, -20);
+                ray.d[j] = j == axis ? tiny(-70, -45) : tiny(-40, -20);
+            }
+            Hit expected;
+            Hit hit;
+            HitComparison found{*accel, *oracle};
+            const bool expect = found.see(ray, expected);
+            LeafPlace place;
+            found.wrong += expect && !accel->find_leaf(ray, expected, place);
+            hits += expect;
+            misses += !expect;
+            if (expect) {
+                ray.t_max = std::nextafter(expected.t, kInfinity);
+                found.see(ray, hit);
+            }
+            wrong += found.wrong;
+        }
+    }
+    EXPECT_EQ(wrong, 0u);
+    EXPECT_GT(hits, 10000u);
+    EXPECT_GT(misses, 1000u);
+}
+
 // Boxes are built where denormals count as zero; rays may be traced where they do not.
 TEST(Spheres, OfDenormalSizeAreFoundAsByBruteForce) {
     SceneData scene;

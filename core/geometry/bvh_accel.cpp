@@ -63,8 +63,9 @@ std::vector<BuildPrimitive> object_boxes(const AccelInput& input, const BvhScene
     for (size_t i = 0; i < scene.objects.size(); ++i) {
         const SceneObject& object = scene.objects[i];
         if (object.is_sphere) {
-            boxes.push_back(
-                object_primitive(object.center - object.radius, object.center + object.radius, i));
+            const double size = max_component(glm::abs(object.center)) + object.radius;
+            const Vec3d half(object.radius + kSphereBoundsPad * size);
+            boxes.push_back(object_primitive(object.center - half, object.center + half, i));
         } else if (scene.trees[object.tree].bounds.is_empty()) {
             boxes.push_back(
                 {Vec3f(kInfinity), kObjectPrimitive, Vec3f(-kInfinity), static_cast<uint32_t>(i)});

@@ -15,7 +15,7 @@ class LeafSearch {
     LeafSearch(const Tree& tree, const LocalRay& ray, const Hit& hit, uint32_t number)
         : tree_(tree),
           slabs_(make_slab_ray<true>(ray.sheared, tree.largest_coordinate)),
-          limit_(hit.t * ray.t_unscale * kSlabFarFactor),
+          limit_(largest_t_in_tree(hit.t, ray)),
           number_(number) {
         for (int i = 0; i < 3; ++i) backward_[i] = std::signbit(ray.sheared.d[i]);
     }

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "core/geometry/bvh.h"
 #include "core/geometry/float4.h"
@@ -76,6 +77,13 @@ TALBOT_FORCE_INLINE bool to_object_space(const Ray& ray, const SceneObject& obje
     local.t_unscale = static_cast<float>(std::bit_cast<double>(exponent << 52));
     local.instance = object.id;
     return true;
+}
+
+// A world t as a bound in a tree, never too small: where it is denormal, as with endlessly long
+// directions, it has lost some of its bits.
+TALBOT_FORCE_INLINE float largest_t_in_tree(float t, const LocalRay& ray) {
+    const float lost = std::numeric_limits<float>::min() * std::max(1.0f, ray.t_unscale);
+    return t * ray.t_unscale * kSlabFarFactor + lost;
 }
 
 // Near planes p are met at p reciprocal - near_offset, far planes likewise with the far constants;

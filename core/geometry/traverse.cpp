@@ -112,13 +112,6 @@ HWY_NOINLINE bool intersect_lane(const ShearedRay& ray, const TriangleBlock& blo
     return intersect_triangle(ray, BlockCorner{block, lane}, block.extent[lane], hit);
 }
 
-// The largest t of interest in a tree, never too small: a world t that is denormal, as of endlessly
-// long directions, has lost some of its bits.
-HWY_INLINE float limit_of(const Query& query, const LocalRay& ray) {
-    const float lost = std::numeric_limits<float>::min() * std::max(1.0f, ray.t_unscale);
-    return query.best.t * ray.t_unscale * kSlabFarFactor + lost;
-}
-
 // Takes the hits in one block into the query; true when that ends the search.
 template <bool kAny, bool kFilter>
 HWY_INLINE bool intersect_block(Query& query, const LocalRay& ray, const TriangleBlock& block,
@@ -139,7 +132,7 @@ HWY_INLINE bool intersect_block(Query& query, const LocalRay& ray, const Triangl
         const bool filtered = kFilter && query.scene.filtered[id.instance] != 0;
         if (!accept<kFilter>(query, {hit.t * ray.t_scale, hit.u, hit.v, id}, filtered)) continue;
         if (kAny) return true;
-        t_limit = limit_of(query, ray);
+        t_limit = largest_t_in_tree(query.best.t, ray);
     } while (left != 0);
     return false;
 }
@@ -269,7 +262,7 @@ HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray,
     if (tree.is_empty) return false;
     const BoxRay boxes(ray.sheared, make_slab_ray<kObjects>(ray.sheared, tree.largest_coordinate));
     const BlockRay lanes(ray.sheared);
-    float t_limit = limit_of(query, ray);
+    float t_limit = largest_t_in_tree(query.best.t, ray);
     StackEntry stack[kStackSize];
     StackEntry* top = stack;
     StackEntry entry = tree.root;
@@ -292,7 +285,7 @@ HWY_INLINE bool traverse(Query& query, const Tree& tree, const LocalRay& ray,
         if (kObjects && ChildRef::is_objects(entry_ref(entry))) {
             if (intersect_objects<kAny, kFilter, kCount>(query, tree, entry_ref(entry)))
                 return true;
-            t_limit = limit_of(query, ray);
+            t_limit = largest_t_in_tree(query.best.t, ray);
         } else {
             const TriangleBlock* block = tree.blocks.data() + ChildRef::first(entry_ref(entry));
             const TriangleBlock* const end = block + ChildRef::count(entry_ref(entry));

@@ -63,6 +63,10 @@ inline constexpr float kMinSplitExtent = 0x1p-60f;
 // all its neighbours by this share of the ray's origin: the ray is rounded once in object space.
 inline constexpr double kInstanceBoundsPad = 0x40p-24;
 
+// The boxes of spheres are widened by this share of their radius and coordinates: a root in double
+// takes rays for tangents that pass the sphere by a few 2^-53 of its size.
+inline constexpr double kSphereBoundsPad = 0x1p-48;
+
 // A point on a ray that lies further than this share of the coordinates short of a surface is not
 // taken beyond it by rounding, unless the ray runs within 2^-16 radians of that surface.
 inline constexpr float kNearSurface = 0x1p-8f;
