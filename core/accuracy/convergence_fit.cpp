@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -91,19 +92,32 @@ void look_ahead(double exponent, ConvergenceFit::Term (&terms)[2]) {
     terms[1] = {kEdges, edges};
 }
 
+// ln of what the last doubling changed about the octave before by better denominators; NaN where
+// that made it vanish.
+double log_gain(std::span<const Octave> octaves) {
+    const double gain = octaves.size() > 1 ? octaves[octaves.size() - 2].gain : 1;
+    return gain > 0 ? std::log(gain) : std::numeric_limits<double>::quiet_NaN();
+}
+
+// What better denominators are still expected to make of v: those of lamps smaller than a pixel are
+// too small for many doublings, and each brings a part of what is missing.
+double denominators_to_come(double log_gain) {
+    constexpr double kShare = 0.5;
+    return log_gain < 0 ? std::exp(kShare * log_gain) : 1;
+}
+
 // Standard deviation of ln v that comes from the denominators and from octaves that follow no law:
 // while there are few samples, what a pixel converges to is hardly known and every doubling brings
 // another stratum; later, a part of what the last doubling changed about the denominators.
-double law_and_denominator_sd(std::span<const Octave> octaves) {
-    constexpr double kUnknown = 16, kDoubtOfUnknown = 0.4;
+double law_and_denominator_sd(std::span<const Octave> octaves, double log_gain) {
+    constexpr double kUnknown = 16, kDoubtOfUnknown = 0.5;
     constexpr double kFewSamples = 32, kDoubtOfFew = 0.22, kDoubtAlways = 0.02;
-    constexpr double kDoubtOfWeights = 0.2;
-    const double gain = octaves.size() > 1 ? octaves[octaves.size() - 2].gain : 1;
+    constexpr double kDoubtOfWeights = 0.5;
     const double samples = static_cast<double>(octaves.back().samples);
     const double doubt = samples < kUnknown      ? kDoubtOfUnknown
                          : samples < kFewSamples ? kDoubtOfFew
                                                  : kDoubtAlways;
-    return std::hypot(doubt, gain > 0 ? kDoubtOfWeights * std::log(gain) : kDoubtOfUnknown);
+    return std::hypot(doubt, std::isnan(log_gain) ? kDoubtOfUnknown : kDoubtOfWeights * log_gain);
 }
 
 // The last octaves, newest first. Where blocks rested, an older difference is that of the newer one
@@ -184,7 +198,8 @@ ConvergenceFit fit_convergence(std::span<const Octave> octaves) {
     if (points.empty()) return fit;
 
     const PowerLaw law = fit_power(points);
-    fit.v = points[0].value * level(law.exponent);
+    const double gain = log_gain(octaves);
+    fit.v = points[0].value * level(law.exponent) * denominators_to_come(gain);
     look_ahead(law.exponent, fit.terms);
     fit.exponent = fit.exponent_at(fit.samples);
     fit.exponent_sd = std::hypot(law.standard_deviation, kExponentDrift);
@@ -193,8 +208,8 @@ ConvergenceFit fit_convergence(std::span<const Octave> octaves) {
     constexpr double kScatterOfBoth = 2.5;
     const double own = octaves.back().standard_error / octaves.back().difference;
     const double by_exponent = level_slope(law.exponent) * law.standard_deviation;
-    fit.log_v_sd =
-        std::hypot(std::sqrt(kScatterOfBoth) * own, by_exponent, law_and_denominator_sd(octaves));
+    fit.log_v_sd = std::hypot(std::sqrt(kScatterOfBoth) * own, by_exponent,
+                              law_and_denominator_sd(octaves, gain));
     return fit;
 }
 
