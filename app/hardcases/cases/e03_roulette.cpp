@@ -1,6 +1,7 @@
 // E03: Russian roulette. In a closed box of emission 1 and albedo rho every point has L = 1 / (1 -
 // rho), however long the paths.
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "app/hardcases/worst.h"
@@ -84,7 +85,7 @@ double undivided(double rho) {
     for (int vertex = 0; vertex < 100000 && reach > 1e-12; ++vertex) {
         L += reach;
         throughput *= rho;
-        reach *= rho * (vertex >= 3 ? std::max(throughput, 0.05) : 1.0);
+        reach *= rho * (vertex >= 1 ? std::clamp(1.5 * std::sqrt(throughput), 0.05, 1.0) : 1.0);
     }
     return L;
 }
