@@ -9,7 +9,6 @@
 #define HWY_TARGET_INCLUDE "core/geometry/traverse.cpp"
 #include <algorithm>
 #include <bit>
-#include <limits>
 
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"

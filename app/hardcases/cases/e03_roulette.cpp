@@ -1,10 +1,10 @@
 // E03: Russian roulette. In a closed box of emission 1 and albedo rho every point has L = 1 / (1 -
 // rho), however long the paths.
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "app/hardcases/worst.h"
+#include "core/integrate/roulette.h"
 #include "oracles/scene_builder.h"
 
 namespace talbot::hardcases::e03 {
@@ -82,10 +82,12 @@ double undivided(double rho) {
     double L = 0;
     double reach = 1;  // chance to get here times throughput
     double throughput = 1;
-    for (int vertex = 0; vertex < 100000 && reach > 1e-12; ++vertex) {
+    for (uint32_t vertex = 1; vertex <= 100000 && reach > 1e-12; ++vertex) {
         L += reach;
         throughput *= rho;
-        reach *= rho * (vertex >= 1 ? std::clamp(1.5 * std::sqrt(throughput), 0.05, 1.0) : 1.0);
+        reach *= rho;
+        if (vertex >= kRouletteStart)
+            reach *= static_cast<double>(roulette_survival(static_cast<float>(throughput)));
     }
     return L;
 }
