@@ -3,7 +3,7 @@
 
 All settings have the same expected image, so the mean of all their renders is the reference, and the variance between seeds the
 error: relMSE as everywhere, of one render of --spp samples a pixel. Seconds are CPU seconds of sampling, so that other programs
-on the machine matter little; a first render of one pass takes loading out. Settings take turns, seed by seed. Work is relMSE x
+on the machine matter little; a render of one pass of the same setting takes loading out. Settings take turns, seed by seed. Work is relMSE x
 seconds over that of the default: above 1 where the switch loses, by that much more time for the same error.
 Usage: estimators.py TALBOT [SCENE.gltf...] [--scenes DIR] [--environment FILE.hdr] [--size-scale S] [--spp N] [--seeds N]
 [--json FILE] [--markdown FILE] [--quick]. With --environment the last scene is measured once more under that image.
@@ -50,14 +50,15 @@ def render(args, scene, options, spp, seed, folder):
 def measure(args, scene, environment, folder):
     settings = {**SETTINGS, **(UNDER_AN_IMAGE if environment else {})}
     under = ["--environment", environment] if environment else []
-    # In-process seconds of loading are in every run alike: they go out with the shorter one.
-    short = min(render(args, scene, under, 1, 77 + k, folder)[0] for k in range(2))
+    # What is no sampling, loading and the price of the record (which measures what --max-depth removes, with the setting's own
+    # kernels), goes out with a short run of the same setting.
+    short = {name: min(render(args, scene, under + options, 1, 77 + k, folder)[0] for k in range(2)) for name, options in settings.items()}
     images, seconds = {name: [] for name in settings}, {name: [] for name in settings}
     for seed in range(args.seeds):
         for name, options in settings.items():
             cpu, image = render(args, scene, under + options, args.spp, seed, folder)
             images[name].append(image)
-            seconds[name].append((cpu - short) * args.spp / (args.spp - 1))
+            seconds[name].append((cpu - short[name]) * args.spp / (args.spp - 1))
     # Without light sampling the image is too noisy to add to the reference.
     reference = np.mean([np.mean(stack, 0) for name, stack in images.items() if name != "--no-nee"], 0)
     rows = {}
