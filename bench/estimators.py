@@ -3,14 +3,15 @@
 
 All settings have the same expected image, so the mean of all their renders is the reference, and the variance between seeds the
 error: relMSE as everywhere, of one render of --spp samples a pixel. Seconds are CPU seconds of sampling, so that other programs
-on the machine matter little; a render of one pass of the same setting takes loading out. Settings take turns, seed by seed. Work is relMSE x
-seconds over that of the default: above 1 where the switch loses, by that much more time for the same error.
+on the machine matter little; a render of one pass of the same setting takes loading out. Settings take turns, seed by seed.
+Work is relMSE x seconds over that of the default: above 1 where the switch loses, by that much more time for the same error.
 Usage: estimators.py TALBOT [SCENE.gltf...] [--scenes DIR] [--environment FILE.hdr] [--size-scale S] [--spp N] [--seeds N]
 [--json FILE] [--markdown FILE] [--quick]. With --environment the last scene is measured once more under that image.
 """
 import json
 import os
 import pathlib
+import resource
 import subprocess
 import sys
 import tempfile
@@ -40,18 +41,20 @@ UNDER_AN_IMAGE = {
 
 def render(args, scene, options, spp, seed, folder):
     """(CPU seconds of the whole process, image)"""
-    image, report = folder / "image.pfm", folder / "report.json"
+    image = folder / "image.pfm"
     width, height = Gltf(scene).size(args.size_scale)
+    # Without --report: its record measures what --max-depth removes, which takes longer than these renders.
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run([args.talbot, scene, "--frames", str(spp), "--seed", str(seed), "--size", f"{width}x{height}", "--threads",
-                    str(args.threads), "--max-depth", "9", "--output", image, "--report", report, "--quiet", *options], check=True)
-    return json.loads(report.read_text())["cpu_seconds"], read_pfm(image)
+                    str(args.threads), "--max-depth", "9", "--output", image, "--quiet", *options], check=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, read_pfm(image)
 
 
 def measure(args, scene, environment, folder):
     settings = {**SETTINGS, **(UNDER_AN_IMAGE if environment else {})}
     under = ["--environment", environment] if environment else []
-    # What is no sampling, loading and the price of the record (which measures what --max-depth removes, with the setting's own
-    # kernels), goes out with a short run of the same setting.
+    # Loading goes out with a short run of the same setting.
     short = {name: min(render(args, scene, under + options, 1, 77 + k, folder)[0] for k in range(2)) for name, options in settings.items()}
     images, seconds = {name: [] for name in settings}, {name: [] for name in settings}
     for seed in range(args.seeds):
