@@ -45,14 +45,41 @@ class SettingsText {
     std::string text_;
 };
 
-// The first word in which two texts differ, as "this one against that one".
-std::string first_difference(const std::string& a, const std::string& b) {
-    std::istringstream a_words(a), b_words(b);
-    std::string x, y;
-    while (a_words >> x && b_words >> y) {
-        if (x != y) return x + " against " + y;
+using Words = std::vector<std::pair<std::string, std::string>>;
+
+Words words_of(const std::string& text) {
+    std::istringstream words(text);
+    Words pairs;
+    for (std::string word; words >> word;) {
+        const std::size_t equals = word.find('=');
+        pairs.emplace_back(word.substr(0, equals),
+                           equals == std::string::npos ? "" : word.substr(equals + 1));
     }
-    return "more or fewer words";
+    return pairs;
+}
+
+const std::string* value_of(const Words& words, const std::string& key) {
+    for (const auto& [name, value] : words) {
+        if (name == key) return &value;
+    }
+    return nullptr;
+}
+
+// The first setting in which two texts differ: "KEY is A in the film, B in the render".
+std::string first_difference(const std::string& film, const std::string& render) {
+    const Words a = words_of(film), b = words_of(render);
+    const auto told = [&](const std::string& key) {
+        const std::string *x = value_of(a, key), *y = value_of(b, key);
+        if (x && y && *x == *y) return std::string();
+        return key + " is " + (x ? *x : "not set") + " in the film, " + (y ? *y : "not set") +
+               " in the render";
+    };
+    for (const Words* words : {&a, &b}) {
+        for (const auto& [key, value] : *words) {
+            if (const std::string text = told(key); !text.empty()) return text;
+        }
+    }
+    return "more or fewer lights";
 }
 
 }  // namespace

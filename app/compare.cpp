@@ -93,6 +93,7 @@ void print_compared(const ImageErrors& e) {
 }
 
 Status compare(const CompareOptions& options) {
+    if (Status status = check_png(options.output, "--output"); !status) return status;
     if (Status status =
             check_output_files({options.output, options.json}, {options.image, options.reference});
         !status)

@@ -35,14 +35,19 @@ Status check_image_kinds(const Options& options) {
                 "unknown kind '" + extension_of(output) + "'; use .png, .exr, .hdr or .pfm"};
         }
     }
-    if (!options.screenshot.empty() && extension_of(options.screenshot) != ".png")
-        return Error{ErrorKind::usage, options.screenshot, "--screenshot", "must be a .png"};
-    return Done{};
+    if (Status status = check_no_stream(options.film, "--film"); !status) return status;
+    if (Status status = check_no_stream(options.checkpoint, "--checkpoint"); !status) return status;
+    return check_png(options.screenshot, "--screenshot");
 }
 
 Status check_outputs(const Options& options) {
     if (Status status = check_image_kinds(options); !status) return status;
-    return check_output_files(options.written_files(), {options.scene_file, options.environment});
+    // A film may replace the one that it goes on from; nothing else may.
+    std::vector<std::string> others = options.outputs;
+    others.insert(others.end(), {options.report, options.screenshot});
+    if (Status status = check_not_inputs(others, {options.resume}); !status) return status;
+    return check_output_files(options.written_files(),
+                              {scene_path(options).string(), options.environment});
 }
 
 // --strict gives its answer by the exit code.
@@ -182,6 +187,15 @@ bool render(RenderSession& session, const Options& options, const SceneSetup& se
     return interrupted;
 }
 
+// A target is no promise where the light is red, and none is met where nothing differed.
+void warn_of_trust(const Options& options, const ErrorEstimate& error) {
+    if (!options.target_error_percent || (error.valid && error.trust != Trust::red)) return;
+    if (error.valid)
+        log_warning("--target-error: the error may be larger than it looks: " + error.why);
+    else if (!error.why.empty())
+        log_warning("--target-error: the error is not known: " + error.why);
+}
+
 int finish(const Options& options, RenderSession& session, WorkerPool& pool, RunRecord record) {
     const Clock::time_point write_start = Clock::now();
     const Status written = write_files(options, session, *record.snapshot, pool, record.film_hash);
@@ -192,6 +206,7 @@ int finish(const Options& options, RenderSession& session, WorkerPool& pool, Run
             return report_error(status.error());
     }
     if (!written) return report_error(written.error());
+    warn_of_trust(options, record.snapshot->error);
     const NonFiniteCount& bad = record.snapshot->nonfinite;
     if (bad.total() > 0) {
         log_warning(std::to_string(bad.total()) +

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/exit_code.h"
+#include "app/json_figures.h"
 #include "app/output_files.h"
 #include "app/sub_command.h"
 #include "core/base/log.h"
@@ -99,15 +100,7 @@ ordered_json summary(const MergeOptions& options, const FilmFile& file) {
         {"render_seconds", file.metadata.render_seconds},
         {"film_hash", file.film.hash()},
     };
-    if (error.valid) {
-        j["error"] = {{"relrmse_percent", error.relrmse_percent},
-                      {"lo95", error.lo95},
-                      {"hi95", error.hi95},
-                      {"exponent", error.exponent},
-                      {"exposure_ev", error.exposure_ev},
-                      {"trust", trust_name(error.trust)},
-                      {"why", error.why}};
-    }
+    j["error"] = error_json(error);
     return j;
 }
 
@@ -116,18 +109,39 @@ void print_merged(const ordered_json& j) {
                 j["output"].get<std::string>().c_str(), j["passes"].get<unsigned long long>(),
                 j["parts"].get<std::size_t>(), j["first_sample"].get<unsigned long long>());
     std::printf("film hash %s\n", j["film_hash"].get<std::string>().c_str());
-    if (!j.contains("error")) return;
     const ordered_json& e = j["error"];
+    if (e.is_null()) return;
+    if (e["relrmse_percent"].is_null()) {
+        std::printf("error not known: %s\n", e["why"].get<std::string>().c_str());
+        return;
+    }
     std::printf("error %.3g %% (95 %%: %.3g to %.3g), trust %s: %s\n",
                 e["relrmse_percent"].get<double>(), e["lo95"].get<double>(),
                 e["hi95"].get<double>(), e["trust"].get<std::string>().c_str(),
                 e["why"].get<std::string>().c_str());
 }
 
-Status merge(const MergeOptions& options) {
-    // The output may replace one of the films, which are read before.
-    if (Status status = check_output_files({options.output, options.json}, {}); !status)
+// Who forgets OUT must not lose a film.
+Status check_output(const MergeOptions& options) {
+    if (Status status = check_no_stream(options.output, "OUT"); !status) return status;
+    const std::string extension = extension_of(options.output);
+    for (const char* picture : {".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp", ".gif"}) {
+        if (extension == picture)
+            return Error{ErrorKind::usage, options.output, "OUT",
+                         "unknown kind '" + extension +
+                             "'; use .png, .exr, .hdr or .pfm, or .film for a raw film"};
+    }
+    if (Status status = check_output_files({options.output, options.json}, options.inputs); !status)
         return status;
+    if (options.inputs.size() == 1 && load_film(options.output))
+        return Error{ErrorKind::usage, options.output, "OUT",
+                     "is a film already, and only one other is named: the first name is that of "
+                     "the result; name a new file"};
+    return Done{};
+}
+
+Status merge(const MergeOptions& options) {
+    if (Status status = check_output(options); !status) return status;
     Result<std::vector<Part>> parts = load_parts(options.inputs);
     if (!parts) return parts.error();
     FilmFile whole = std::move(parts->front().film);

@@ -107,6 +107,9 @@ Status convert_whole_numbers(const RawOptions& raw, Options& o) {
         return usage_error("--adaptive",
                            "cannot be used for a part of a render; leave out --first-sample");
     }
+    if (o.render.first_sample + frames > kMostSamples)
+        return usage_error("--first-sample",
+                           "with --frames goes beyond sample " + std::to_string(kMostSamples));
     if (Status s = set_whole(raw.sample, "--sample", kMostSamples, o.sample); !s) return s;
     if (Status s = set_whole(raw.threads, "--threads", 1024, o.threads); !s) return s;
     if (Status s = set_whole(raw.max_depth, "--max-depth", 1 << 20, o.render.max_depth); !s)

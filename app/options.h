@@ -60,10 +60,13 @@ struct Options {
     bool json = false;  // info as JSON
     LogLevel log_level = LogLevel::info;
 
-    // What a render writes; some may be empty.
+    std::vector<std::string> command_files;  // that a command writes: reports, figures, plots
+
+    // What a run writes; some may be empty.
     std::vector<std::string> written_files() const {
         std::vector<std::string> files = outputs;
         files.insert(files.end(), {report, film, checkpoint, screenshot});
+        files.insert(files.end(), command_files.begin(), command_files.end());
         return files;
     }
 

@@ -6,14 +6,27 @@
 #include <span>
 
 namespace talbot {
+namespace {
+
+// The same for all names of a file, whether it exists yet or not.
+std::filesystem::path one_spelling(const std::string& file) {
+    std::error_code code;
+    const std::filesystem::path whole =
+        std::filesystem::weakly_canonical(std::filesystem::absolute(file), code);
+    return code ? std::filesystem::absolute(file).lexically_normal() : whole;
+}
+
+}  // namespace
 
 Status check_output_files(const std::vector<std::string>& outputs,
                           const std::vector<std::string>& inputs) {
     std::vector<std::filesystem::path> taken;
     for (const std::string& file : outputs) {
-        if (file.empty() || file == "-") continue;
-        if (Status status = check_writable(file); !status) return status;
-        const std::filesystem::path whole = std::filesystem::weakly_canonical(file);
+        if (file.empty()) continue;
+        if (file != "-") {
+            if (Status status = check_writable(file); !status) return status;
+        }
+        const std::filesystem::path whole = one_spelling(file);
         if (std::find(taken.begin(), taken.end(), whole) != taken.end()) {
             return Error{ErrorKind::usage, file, "",
                          "is named for two outputs; give each its own file"};
@@ -36,6 +49,17 @@ Status check_not_inputs(const std::vector<std::string>& outputs,
         }
     }
     return Done{};
+}
+
+Status check_png(const std::string& file, const std::string& option) {
+    if (file.empty() || extension_of(file) == ".png") return Done{};
+    return Error{ErrorKind::usage, file, option, "must be a .png"};
+}
+
+Status check_no_stream(const std::string& file, const std::string& option) {
+    if (file != "-") return Done{};
+    return Error{ErrorKind::usage, "", option,
+                 "is not text and does not go to the standard output; name a file"};
 }
 
 std::string extension_of(const std::string& file) {

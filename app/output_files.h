@@ -13,13 +13,19 @@
 namespace talbot {
 
 // Refuses outputs that could not be written, or would be written over each other or over an input.
-// Empty names, and - for the standard output, are passed over.
+// Empty names are passed over; - is the standard output, which takes one of them.
 Status check_output_files(const std::vector<std::string>& outputs,
                           const std::vector<std::string>& inputs);
 
 // Refuses outputs that are one of these files, whatever their names.
 Status check_not_inputs(const std::vector<std::string>& outputs,
                         const std::vector<std::filesystem::path>& inputs);
+
+// Refuses any name but that of a .png; none is well.
+Status check_png(const std::string& file, const std::string& option);
+
+// Refuses the name - for what is no text.
+Status check_no_stream(const std::string& file, const std::string& option);
 
 // With its dot, in lower case.
 std::string extension_of(const std::string& file);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/json_figures.h"
 #include "app/machine.h"
 #include "app/outlier_record.h"
 #include "core/geometry/accel.h"
@@ -149,17 +150,7 @@ std::string run_record_json(const RunRecord& record) {
     j["cpu_seconds"] = cpu_seconds(usage);
     j["peak_memory_bytes"] = static_cast<uint64_t>(usage.ru_maxrss) * 1024;
     j["samples_per_second"] = s.samples_per_second;
-    if (s.error.valid) {
-        j["error"] = {{"relrmse_percent", s.error.relrmse_percent},
-                      {"lo95", s.error.lo95},
-                      {"hi95", s.error.hi95},
-                      {"exponent", s.error.exponent},
-                      {"exposure_ev", s.error.exposure_ev},
-                      {"trust", trust_name(s.error.trust)},
-                      {"why", s.error.why}};
-    } else {
-        j["error"] = nullptr;
-    }
+    j["error"] = error_json(s.error);
     j["prediction"] = nullptr;
     if (record.target_error_percent) {
         const ErrorEstimate::Prediction p = s.error.seconds_to(*record.target_error_percent);

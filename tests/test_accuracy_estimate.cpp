@@ -223,6 +223,41 @@ TEST(Accuracy, ATargetIsMetWithNineInTen) {
     EXPECT_TRUE(e.meets(4 * std::exp(0.129)));
 }
 
+// What was not seen yet may still come.
+TEST(Accuracy, AnEvenImageIsNoImageWithoutError) {
+    ErrorTracker tracker;
+    tracker.reset(0);
+    Film film(32, 32);
+    for (uint64_t n = 1; n <= 64; n *= 2) {
+        for (FilmPixel& p : film.pixels()) p.samples = n;
+        tracker.observe(film, n, 1);
+    }
+    const ErrorEstimate even = tracker.estimate();
+    EXPECT_FALSE(even.valid);
+    EXPECT_FALSE(even.meets(100));
+    EXPECT_FALSE(even.seconds_to(1).valid);
+    EXPECT_EQ(even.trust, Trust::amber) << even.why;
+    // One bright sample in one pixel, and there is an error, which no one should trust.
+    film.pixels()[5].sum[0].add(1);
+    for (FilmPixel& p : film.pixels()) p.samples = 128;
+    tracker.observe(film, 128, 1);
+    EXPECT_TRUE(tracker.estimate().valid);
+    EXPECT_EQ(tracker.estimate().trust, Trust::red) << tracker.estimate().why;
+}
+
+TEST(Accuracy, AFewPixelsAreNotGreen) {
+    for (const uint32_t size : {16u, 32u}) {
+        Picture picture(synthetic::scenes()[0], size, false, 3);
+        ErrorTracker tracker;
+        tracker.reset(0);
+        for (uint64_t n = 1; n <= 64; n *= 2) {
+            picture.render_until(n);
+            tracker.observe(picture.film, n, static_cast<double>(n));
+        }
+        EXPECT_EQ(tracker.estimate().trust == Trust::green, size == 32) << tracker.estimate().why;
+    }
+}
+
 TEST(Accuracy, FirmPredictionsAreKept) {
     int firm = 0, kept = 0, all = 0;
     for (const synthetic::Scene& scene : synthetic::scenes()) {

@@ -83,7 +83,7 @@ TEST(Checkpoint, RefusesWhatIsNotABeginningOfTheRender) {
     };
     refusal(kCornell + "--frames 4", "already has 8 passes");
     refusal(kCornell + "--frames 16 --seed 3", "add --seed 0");
-    refusal(kCornell + "--frames 16 --max-depth 3", "max_depth=64 against max_depth=3");
+    refusal(kCornell + "--frames 16 --max-depth 3", "max_depth is 64 in the film, 3 in the render");
     refusal(kCornell + "--frames 16 --first-sample 8", "starts at sample 0");
     refusal("'" + kCornellFile + "' --size 32x32 --frames 16", "64x48");
     refusal("'" TALBOT_SOURCE_DIR "/assets/scenes/report.gltf' --frames 16", "another scene");

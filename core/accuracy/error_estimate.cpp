@@ -19,6 +19,8 @@ constexpr double kNormal95 = 1.96;
 // The trust light. A Gaussian image has 1.3 % of its squared differences in the largest 0.1 % of
 // its pixels.
 constexpr uint64_t kTrustSamples = 16;
+// The true error of a small image scatters by more than its own pixels show.
+constexpr std::size_t kTrustPixels = 512;
 constexpr double kAmberTopShare = 0.1;
 constexpr double kRedTopShare = 0.5;
 constexpr double kRedTailIndex = 0.7;
@@ -51,12 +53,9 @@ double lasting_top_share(const ErrorEstimate& e) {
     return most;
 }
 
-void judge(ErrorEstimate& e) {
+void judge(ErrorEstimate& e, std::size_t pixels) {
     const bool heavy = e.tail_index > kRedTailIndex && e.top_share > kAmberTopShare;
-    if (e.octaves.back().difference <= 0) {
-        e.trust = Trust::amber;
-        e.why = "no difference has been seen yet";
-    } else if (std::abs(e.energy_drift) > kRedEnergyDrift) {
+    if (std::abs(e.energy_drift) > kRedEnergyDrift) {
         e.trust = Trust::red;
         e.why = "the image's brightness still moves more than its noise explains";
     } else if (heavy || e.top_share > kRedTopShare) {
@@ -65,6 +64,9 @@ void judge(ErrorEstimate& e) {
     } else if (lasting_top_share(e) > kAmberTopShare) {
         e.trust = Trust::amber;
         e.why = "a few bright pixels make a large part of the error";
+    } else if (pixels < kTrustPixels) {
+        e.trust = Trust::amber;
+        e.why = "too few pixels to judge";
     } else if (e.samples < kTrustSamples) {
         e.trust = Trust::amber;
         e.why = "too few samples to judge";
@@ -153,9 +155,15 @@ double metric_constant(double exposure_ev) {
 }
 
 bool ErrorEstimate::meets(double target_percent) const {
-    if (!valid || !(relrmse_percent > 0)) return valid && target_percent >= 0;
+    if (!valid) return false;
     const double bound = std::pow(hi95 / relrmse_percent, kNormalBelow90 / kNormal95);
     return relrmse_percent * bound <= target_percent;
+}
+
+bool ErrorEstimate::ends_render(double target_percent, uint64_t passes,
+                                uint64_t all_samples) const {
+    constexpr uint64_t kEvenPasses = 64, kEvenSamples = uint64_t{1} << 22;
+    return valid ? meets(target_percent) : passes >= kEvenPasses && all_samples >= kEvenSamples;
 }
 
 ErrorEstimate::FutureError ErrorEstimate::error_after(double further_seconds) const {
@@ -270,7 +278,7 @@ void ErrorTracker::derive() {
     ErrorEstimate& e = estimate_;
     e.octaves = state_.octaves;
     e.fit = fit_convergence(e.octaves);
-    e.valid = true;
+    e.valid = e.fit.v > 0;
     e.exponent = e.fit.exponent;
     e.exponent_standard_error = e.fit.exponent_sd;
     e.samples = state_.half_samples;
@@ -281,8 +289,13 @@ void ErrorTracker::derive() {
     e.tail_index = state_.last.tail_index;
     e.energy_drift = state_.last.energy_drift;
     e.brightness_sd = state_.last.brightness_sd;
+    if (!e.valid) {
+        e.trust = Trust::amber;
+        e.why = "no two samples have differed yet: all is even, or its light was not found";
+        return;
+    }
     set_interval(e, e.fit.v, e.fit.log_v_sd);
-    judge(e);
+    judge(e, state_.memory.image.size());
 
     const double share = state_.last.difference > 0 ? e.fit.v / state_.last.difference : 0;
     block_errors_.reserve(state_.last.blocks.size());

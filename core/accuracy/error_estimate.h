@@ -25,7 +25,7 @@ std::string_view trust_name(Trust trust);
 double metric_constant(double exposure_ev);
 
 struct ErrorEstimate {
-    bool valid = false;  // from 2 samples on
+    bool valid = false;  // from 2 samples on, as soon as two of them differed
     double relrmse_percent = 0;
     double lo95 = 0;
     double hi95 = 0;
@@ -57,8 +57,12 @@ struct ErrorEstimate {
         double hi95 = 0;
     };
     // Whether the error is below a target with a probability of nine in ten: where a render that
-    // was asked for it stops.
+    // was asked for it stops. Never before two samples have differed.
     bool meets(double target_percent) const;
+
+    // Whether a render that was asked for this error ends: where it is met, and where no two of so
+    // many samples differed that it would go on for ever.
+    bool ends_render(double target_percent, uint64_t passes, uint64_t all_samples) const;
 
     // Further seconds of rendering to a target error, with a 95 % band; 0 when it is already met.
     Prediction seconds_to(double target_percent) const;

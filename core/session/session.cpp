@@ -269,7 +269,8 @@ class RenderSession::Impl {
 
     bool target_met() const {
         if (!(policy_.target_error_percent > 0)) return false;
-        return tracker_.at(passes_, render_seconds_).meets(policy_.target_error_percent);
+        return tracker_.at(passes_, render_seconds_)
+            .ends_render(policy_.target_error_percent, passes_, samples_);
     }
 
     double spent_seconds() const { return render_seconds_ - resumed_seconds_; }
@@ -437,8 +438,7 @@ class RenderSession::Impl {
     std::stop_source work_stop_;
     bool work_is_interruptible_ = false;
     uint64_t submitted_ = 0;
-    bool quit_ = false;
-    bool stopped_ = false;
+    bool quit_ = false, stopped_ = false;
 
     // session thread
     std::shared_ptr<const Scene> source_;  // with all edits

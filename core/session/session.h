@@ -24,7 +24,9 @@ struct SessionPolicy {
     unsigned threads = 0;            // 0 = all cores
     double time_limit_seconds =
         0;  // of rendering by this session; 0 = none. Ends the current pass early.
-    double target_error_percent = 0;  // stops after the pass at which the error meets it; 0 = off
+    // Stops after the pass at which the error meets it, or after 64 passes and 4 million samples of
+    // which no two differed; 0 = off.
+    double target_error_percent = 0;
 };
 
 class RenderSession {
