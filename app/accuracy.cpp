@@ -19,7 +19,7 @@ namespace {
 
 struct AccuracyOptions {
     std::vector<std::string> sweeps;
-    double target_percent = 0;
+    std::optional<double> target_percent;
     double budget_seconds = 60;
     std::string html, json, csv, png;
     bool why = false;
@@ -56,10 +56,10 @@ Result<std::optional<AccuracyOptions>> parse_accuracy(std::span<const std::strin
     if (!parsed) return parsed.error();
     if (!*parsed) return std::optional<AccuracyOptions>();
     o.rest = app.remaining();
-    if (!(o.target_percent >= 0) || !std::isfinite(o.target_percent))
-        return usage_error("accuracy", "--target-error must be above 0 per cent");
+    if (o.target_percent && (!(*o.target_percent > 0) || !std::isfinite(*o.target_percent)))
+        return usage_error("--target-error", "must be above 0 per cent");
     if (!(o.budget_seconds > 0) || o.budget_seconds > 1e6)
-        return usage_error("accuracy", "--budget must lie between 0 and 1000000 seconds");
+        return usage_error("--budget", "must lie between 0 and 1000000 seconds");
     return std::optional<AccuracyOptions>(o);
 }
 
@@ -107,10 +107,13 @@ void advise(AccuracyReport& report, const std::vector<std::string>& words,
     const TimeToTarget& t = choice->to_target;
     report.advice_command = command_of(words, choice->config.flags) + " --target-error " +
                             three_digits(report.outcome.target_percent) + " --output picture.png";
-    report.advice = "The cheapest configuration that reaches " + target + " is " +
-                    choice->config.label() + ": " + three_digits(t.seconds) + " s (" +
-                    three_digits(t.lo95) + " to " + three_digits(t.hi95) + ")" +
-                    (t.measured ? "." : ", predicted.");
+    const bool is_base = choice->config.key == "base";
+    report.advice =
+        (is_base && report.outcome.results.size() > 1
+             ? "No other configuration reaches " + target + " at less cost beyond doubt than "
+             : "The cheapest configuration that reaches " + target + " is ") +
+        choice->config.label() + ": " + three_digits(t.seconds) + " s (" + three_digits(t.lo95) +
+        " to " + three_digits(t.hi95) + ")" + (t.measured ? "." : ", predicted.");
     // A run stops at a power of two, for which up to twice the time is needed.
     if (4 * t.hi95 > std::max(report.budget_seconds, 4.0)) {
         report.advice += " Not verified: that would take longer than the budget allows.";
@@ -120,7 +123,14 @@ void advise(AccuracyReport& report, const std::vector<std::string>& words,
         verify(scene, *choice, report.outcome.target_percent, 4 * t.hi95 + 1, pool);
     const Verification& v = report.verification;
     if (!v.done) return;
-    report.advice += v.met ? " Verified with another seed: " : " NOT borne out with another seed: ";
+    if (!v.error.valid) {
+        report.advice += " NOT borne out with another seed: " + v.error.why + ".";
+        return;
+    }
+    report.advice += !v.met ? " NOT borne out with another seed: "
+                     : v.error.trust == Trust::red
+                         ? " Met with another seed, but not to be trusted (" + v.error.why + "): "
+                         : " Verified with another seed: ";
     report.advice += three_digits(v.error.relrmse_percent) +
                      " % (95 %: " + three_digits(v.error.lo95) + " to " +
                      three_digits(v.error.hi95) + ") after " + three_digits(v.seconds) + " s.";
@@ -159,11 +169,11 @@ void print_table(const AccuracyReport& report) {
                                   : r.floor.significant
                                       ? three_digits(r.floor.relrmse_percent) + " %"
                                       : "< " + three_digits(r.floor.hi95) + " %";
-        std::printf("%-26s %-30s %-10s %-9s %-8s %-12s %-6s %s\n", r.config.label().c_str(),
-                    time.c_str(), (three_digits(r.last.relrmse_percent) + " %").c_str(),
-                    (three_digits(r.last.seconds) + " s").c_str(),
-                    three_digits(r.last.exponent).c_str(), floor.c_str(),
-                    std::string(trust_name(r.last.trust)).c_str(), r.pareto ? "yes" : "");
+        std::printf(
+            "%-26s %-30s %-10s %-9s %-8s %-12s %-6s %s\n", r.config.label().c_str(), time.c_str(),
+            r.curve.empty() ? "-" : (three_digits(r.curve.back().relrmse_percent) + " %").c_str(),
+            (three_digits(r.last.seconds) + " s").c_str(), three_digits(r.last.exponent).c_str(),
+            floor.c_str(), std::string(trust_name(r.last.trust)).c_str(), r.pareto ? "yes" : "");
         if (!t.valid) std::printf("  %s\n", t.why.c_str());
         if (r.config.may_be_biased)
             std::printf("  %s\n", bias_sentence(r.floor, r.loss_after_seconds).c_str());
@@ -189,8 +199,9 @@ Status write_reports(const AccuracyOptions& options, const AccuracyReport& repor
 
 Status measure(const AccuracyOptions& options, const Options& base) {
     leave_on_interrupt();
-    if (Status s = check_output_files({options.json, options.csv, options.png, options.html},
-                                      {scene_path(base).string()});
+    if (Status s = check_png(options.png, "--png"); !s) return s;
+    if (Status s =
+            check_output_files(base.command_files, {scene_path(base).string(), base.environment});
         !s)
         return s;
     WorkerPool pool(base.threads);
@@ -208,8 +219,8 @@ Status measure(const AccuracyOptions& options, const Options& base) {
     report.budget_seconds = options.budget_seconds;
     report.threads = pool.size();
     report.display = base.display;
-    report.outcome =
-        run_sweep(*scene, {*configs, options.budget_seconds, options.target_percent}, pool);
+    report.outcome = run_sweep(
+        *scene, {*configs, options.budget_seconds, options.target_percent.value_or(0)}, pool);
     advise(report, options.rest, *scene, pool);
     if (options.why) {
         ErrorSharePolicy policy;
@@ -235,7 +246,7 @@ int run_accuracy(std::span<const std::string> args) {
     const Result<std::optional<AccuracyOptions>> options = parse_accuracy(args);
     if (!options) return fail(options.error());
     if (!*options) return kExitDone;
-    const Result<std::optional<Options>> base = parse_options((*options)->rest);
+    Result<std::optional<Options>> base = parse_options((*options)->rest);
     if (!base) return fail(base.error());
     if (!*base) return kExitDone;
     if ((*base)->headless() || (*base)->pixel || !(*base)->screenshot.empty() ||
@@ -244,6 +255,7 @@ int run_accuracy(std::span<const std::string> args) {
                                 "says itself how long it renders and what it writes; leave out "
                                 "--frames, --time, --output and the like"));
     set_log_level((*base)->log_level);
+    (*base)->command_files = {(*options)->json, (*options)->csv, (*options)->png, (*options)->html};
     const Status status = measure(**options, **base);
     return status ? kExitDone : fail(status.error());
 }

@@ -9,6 +9,7 @@
 #include "app/accuracy.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/json_figures.h"
 #include "app/options.h"
 #include "app/output_files.h"
 #include "app/scene_setup.h"
@@ -96,10 +97,13 @@ Status check_same_view(const Options& base, const Options& side, const std::stri
 }
 
 ordered_json side_json(const AbSide& side, const std::string& flags) {
-    return {{"flags", flags},          {"kernel", side.kernel},
-            {"samples", side.samples}, {"seconds", side.seconds},
-            {"rays", side.rays},       {"relrmse_percent", side.relrmse_percent},
-            {"lo95", side.lo95},       {"hi95", side.hi95}};
+    const auto known = [&](double x) {
+        return side.relrmse_percent > 0 ? json_number(x) : ordered_json();
+    };
+    return {{"flags", flags},           {"kernel", side.kernel},
+            {"samples", side.samples},  {"seconds", side.seconds},
+            {"rays", side.rays},        {"relrmse_percent", known(side.relrmse_percent)},
+            {"lo95", known(side.lo95)}, {"hi95", known(side.hi95)}};
 }
 
 ordered_json verdict_json(const EfficiencyVerdict& v) {
@@ -119,23 +123,29 @@ ordered_json verdict_json(const EfficiencyVerdict& v) {
 }
 
 void print_side(const char* name, const AbSide& side, const std::string& flags) {
-    std::printf("%s  %-36s %7llu samples  %8.2f s  error %.3g %% (%.3g to %.3g)\n", name,
+    char error[80] = "not known from so few samples";
+    if (side.relrmse_percent > 0)
+        std::snprintf(error, sizeof(error), "%.3g %% (%.3g to %.3g)", side.relrmse_percent,
+                      side.lo95, side.hi95);
+    std::printf("%s  %-36s %7llu samples  %8.2f s  error %s\n", name,
                 flags.empty() ? "as given" : flags.c_str(),
-                static_cast<unsigned long long>(side.samples), side.seconds, side.relrmse_percent,
-                side.lo95, side.hi95);
+                static_cast<unsigned long long>(side.samples), side.seconds, error);
 }
 
 Status write(const AbOptions& o, const Options& base, const AbSnapshot& s) {
     if (o.json != "-") {
         print_side("A", s.a, o.a);
         print_side("B", s.b, o.b);
-        std::printf("%s\n", s.verdict.text.c_str());
+        std::printf("%s\n", s.verdict.text.empty() ? "no difference yet: too few samples to compare"
+                                                   : s.verdict.text.c_str());
+        if (is_interrupted()) std::printf("interrupted before the budget was over\n");
     }
     if (o.json.empty()) return Done{};
     const ordered_json j{{"schema", "talbot-ab/1"},
                          {"scene", scene_path(base).string()},
                          {"size", {s.a.image->width, s.a.image->height}},
                          {"seconds", s.seconds},
+                         {"interrupted", is_interrupted()},
                          {"a", side_json(s.a, o.a)},
                          {"b", side_json(s.b, o.b)},
                          {"verdict", verdict_json(s.verdict)}};
@@ -145,7 +155,8 @@ Status write(const AbOptions& o, const Options& base, const AbSnapshot& s) {
 Status compare(const AbOptions& o, const Options& base, const Options& a, const Options& b) {
     if (Status s = check_same_view(base, a, "--a"); !s) return s;
     if (Status s = check_same_view(base, b, "--b"); !s) return s;
-    if (Status s = check_output_files({o.json}, {scene_path(base).string()}); !s) return s;
+    if (Status s = check_output_files({o.json}, {scene_path(base).string(), base.environment}); !s)
+        return s;
     leave_on_interrupt();
     Result<SceneSetup> setup = [&] {
         WorkerPool pool(base.threads);
@@ -198,6 +209,7 @@ int run_ab(std::span<const std::string> args) {
         if (!side) return fail(side.error());
         if (!*side) return kExitDone;
         sides[i] = **side;
+        sides[i]->command_files = {o.json};
     }
     set_log_level(sides[0]->log_level);
     const Status status = compare(o, *sides[0], *sides[1], *sides[2]);

@@ -44,13 +44,17 @@ Result<std::optional<CertifyOptions>> parse_certify(std::span<const std::string>
     CLI::App app("Stated errors against true ones; exit code 1 when a promise is broken",
                  "talbot accuracy certify");
     app.add_option("SCENE", o.scenes, "glTF scenes; without any, the built-in ones");
-    app.add_option("--seeds", o.seeds, "renders of every scene (20)");
+    const CLI::Option* seeds =
+        app.add_option("--seeds", o.seeds, "renders of every scene (20; with --quick 4)");
     app.add_option("--from", o.from, "first milestone in samples a pixel, a power of two (4)");
-    app.add_option("--to", o.to, "last milestone, a power of two (128)");
+    const CLI::Option* to =
+        app.add_option("--to", o.to, "last milestone, a power of two (128; with --quick 64)");
     app.add_option("--reference-factor", o.reference_factor,
                    "samples of the reference over those of the last milestone (64)");
-    app.add_option("--pixels", o.pixels,
-                   "about so many pixels an image (2304), where a list gives no --size");
+    const CLI::Option* pixels =
+        app.add_option("--pixels", o.pixels,
+                       "about so many pixels an image (2304; with --quick 1024), where a list "
+                       "gives no --size");
     app.add_option(
         "--stop-to", o.stop_to,
         "samples up to which every fifth render goes on for the stop rule (4 times --to)");
@@ -61,15 +65,13 @@ Result<std::optional<CertifyOptions>> parse_certify(std::span<const std::string>
     app.add_option("--cache", o.cache, "existing folder that keeps the references as raw films");
     app.add_option("--json", o.json, "write all claims as JSON; - is the standard output");
     app.add_option("--threads", o.threads, "worker threads; default all cores");
-    app.add_flag("--quick", o.quick, "4 seeds up to 64 samples of 1024 pixels: minutes");
+    app.add_flag("--quick", o.quick, "fewer and smaller renders: minutes");
     const Result<bool> parsed = parse_words(app, args);
     if (!parsed) return parsed.error();
     if (!*parsed) return std::optional<CertifyOptions>();
-    if (o.quick) {
-        o.seeds = 4;
-        o.to = 64;
-        o.pixels = 1024;
-    }
+    if (o.quick && seeds->empty()) o.seeds = 4;
+    if (o.quick && to->empty()) o.to = std::max<uint64_t>(o.from, 64);
+    if (o.quick && pixels->empty()) o.pixels = 1024;
     if (o.seeds == 0 || o.seeds > 100000)
         return usage_error("accuracy certify", "--seeds must lie between 1 and 100000");
     if (!std::has_single_bit(o.from) || !std::has_single_bit(o.to) || o.from < 2 || o.to < o.from ||
@@ -180,8 +182,14 @@ Result<std::vector<Options>> scenes_of(const CertifyOptions& options) {
         if (!*scene || (*scene)->scene_file.empty())
             return Error{ErrorKind::bad_input, options.list, "line " + std::to_string(number),
                          "begins with no scene"};
+        if ((*scene)->headless() || (*scene)->pixel || !(*scene)->screenshot.empty() ||
+            !(*scene)->interact.empty() || (*scene)->command != Command::render)
+            return Error{ErrorKind::bad_input, options.list, "line " + std::to_string(number),
+                         "certify says itself how long it renders and what it writes; leave out "
+                         "--frames, --time, --output and the like"};
         scenes.push_back(**scene);
     }
+    if (scenes.empty()) return Error{ErrorKind::bad_input, options.list, "", "contains no scene"};
     return scenes;
 }
 
@@ -212,13 +220,18 @@ ordered_json stops_json(const Calibration& calibration) {
 
 Status certify(const CertifyOptions& options, bool& kept) {
     leave_on_interrupt();
-    if (Status s = check_output_files({options.json}, {options.list}); !s) return s;
-    WorkerPool pool(options.threads);
-    const Result<std::vector<Options>> scenes = scenes_of(options);
+    Result<std::vector<Options>> scenes = scenes_of(options);
     if (!scenes) return scenes.error();
+    std::vector<std::string> inputs{options.list};
+    for (Options& scene : *scenes) {
+        scene.command_files = {options.json};
+        inputs.insert(inputs.end(), {scene_path(scene).string(), scene.environment});
+    }
+    if (Status s = check_output_files({options.json}, inputs); !s) return s;
+    WorkerPool pool(options.threads);
     std::vector<Calibration> all;
     ordered_json rows = ordered_json::array();
-    if (options.json != "-") print_header();
+    bool has_header = options.json == "-";
     std::vector<std::string> broken;
     for (const Options& scene_options : *scenes) {
         Result<AccuracyScene> scene = load_accuracy_scene(scene_options, pool);
@@ -233,6 +246,8 @@ Status certify(const CertifyOptions& options, bool& kept) {
         const Result<Reference> reference = render_reference(
             *scene, settings, options.reference_factor * options.to, options.cache, pool);
         if (!reference) return reference.error();
+        if (!has_header) print_header();
+        has_header = true;
         Calibration calibration;
         calibration.scene = words_of(scene_options);
         ordered_json claims = ordered_json::array();
@@ -261,11 +276,13 @@ Status certify(const CertifyOptions& options, bool& kept) {
     for (const Calibration& c : all) parts.push_back(&c);
     const CalibrationSummary whole = summarise(parts);
     for (const std::string& line : broken_promises(whole, true)) broken.push_back("all: " + line);
-    kept = broken.empty();
+    kept = broken.empty() && whole.claims > 0;
     if (options.json != "-") {
         print_row("all", whole);
         for (const std::string& line : broken) std::printf("BROKEN %s\n", line.c_str());
-        std::printf(kept ? "kept: the stated errors are true\n" : "broken\n");
+        std::printf("%s\n", whole.claims == 0 ? "nothing was proved: no claim had a green light"
+                            : kept            ? "kept: the stated errors are true"
+                                              : "broken");
     }
     if (options.json.empty()) return Done{};
     const ordered_json j{{"schema", "talbot-certify/1"},
@@ -275,7 +292,8 @@ Status certify(const CertifyOptions& options, bool& kept) {
                          {"reference_factor", options.reference_factor},
                          {"scenes", std::move(rows)},
                          {"all", summary_json(whole)},
-                         {"broken", broken}};
+                         {"broken", broken},
+                         {"kept", kept}};
     return write_text(options.json, j.dump(1) + "\n");
 }
 

@@ -153,7 +153,7 @@ void claim_seed(const AccuracyScene& scene, const RenderSettings& settings, cons
                               static_cast<double>(render.film().pixels().size())};
         if (n <= plan.to) {
             const ErrorEstimate& e = m.error;
-            if (n >= plan.from) {
+            if (n >= plan.from && e.valid) {
                 calibration.errors.push_back({settings.seed, n, e.relrmse_percent, e.lo95, e.hi95,
                                               m.truth, e.exponent, e.trust});
             }

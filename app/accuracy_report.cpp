@@ -1,18 +1,16 @@
 #include "app/accuracy_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+
+#include "app/json_figures.h"
 
 namespace talbot {
 namespace {
 
 using nlohmann::ordered_json;
-
-// JSON has no infinity; null stands for it.
-ordered_json json_number(double x) {
-    return std::isfinite(x) ? ordered_json(x) : ordered_json();
-}
 
 ordered_json point_json(const CurvePoint& p) {
     return {{"samples", p.samples},
@@ -43,6 +41,7 @@ ordered_json result_json(const SweepResult& r, std::size_t rank) {
         const BiasFloor& f = r.floor;
         j["bias"] = {{"switch", r.config.label()},
                      {"floor_percent", f.relrmse_percent},
+                     {"lo95", f.lo95},
                      {"hi95", f.hi95},
                      {"significant", f.significant},
                      {"z", json_number(f.z)},
@@ -84,12 +83,35 @@ ordered_json shares_json(const ErrorShares& shares) {
             {"renders", shares.renders}};
 }
 
+// Standard deviation of the logarithm of the seconds to the target.
+double log_sd(const TimeToTarget& t) {
+    constexpr double kNormal95 = 1.96;
+    return t.lo95 > 0 ? std::log(t.hi95 / t.lo95) / (2 * kNormal95) : HUGE_VAL;
+}
+
+// Whether it is worth leaving the base for: beyond what chance explains, by more than a trifle, and
+// a bias has to pay for itself.
+bool is_clearly_cheaper(const SweepResult& r, const SweepResult& base) {
+    constexpr double kNormal90 = 1.645, kLeastGain = 1.05, kLeastGainOfBias = 1.25;
+    if (r.last.trust == Trust::red) return false;
+    if (!base.to_target.valid) return true;
+    const double gain = base.to_target.seconds / r.to_target.seconds;
+    const double doubt = kNormal90 * std::hypot(log_sd(r.to_target), log_sd(base.to_target));
+    return gain > (r.config.may_be_biased ? kLeastGainOfBias : kLeastGain) &&
+           std::log(gain) > doubt;
+}
+
 }  // namespace
 
 const SweepResult* advised(const SweepOutcome& outcome) {
-    return !outcome.results.empty() && outcome.results.front().to_target.valid
-               ? &outcome.results.front()
-               : nullptr;
+    const std::vector<SweepResult>& results = outcome.results;
+    const auto base = std::find_if(results.begin(), results.end(),
+                                   [](const SweepResult& r) { return r.config.key == "base"; });
+    for (const SweepResult& r : results) {
+        if (!r.to_target.valid) break;
+        if (base == results.end() || &r == &*base || is_clearly_cheaper(r, *base)) return &r;
+    }
+    return nullptr;
 }
 
 std::string report_json(const AccuracyReport& report) {
@@ -110,13 +132,9 @@ std::string report_json(const AccuracyReport& report) {
     ordered_json advisor{{"text", report.advice}, {"command", report.advice_command}};
     if (report.verification.done) {
         const Verification& v = report.verification;
-        advisor["verified"] = {{"met", v.met},
-                               {"seconds", v.seconds},
-                               {"samples", v.error.samples},
-                               {"relrmse_percent", json_number(v.error.relrmse_percent)},
-                               {"lo95", json_number(v.error.lo95)},
-                               {"hi95", json_number(v.error.hi95)},
-                               {"trust", trust_name(v.error.trust)}};
+        advisor["verified"] = {
+            {"met", v.met}, {"seconds", v.seconds}, {"samples", v.error.samples}};
+        advisor["verified"].update(error_json(v.error));
     } else {
         advisor["verified"] = nullptr;
     }

@@ -23,7 +23,8 @@ struct AccuracyReport {
     std::string advice_command;  // to copy; empty where there is nothing to advise
 };
 
-// Picks the cheapest configuration that meets the target; null where there is none.
+// The cheapest configuration that meets the target; the base where none is cheaper beyond doubt,
+// and by a quarter where it is biased. Null where none is known to meet it.
 const SweepResult* advised(const SweepOutcome& outcome);
 
 std::string report_json(const AccuracyReport& report);

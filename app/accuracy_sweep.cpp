@@ -138,16 +138,16 @@ struct Contender {
     Film half;
 };
 
-CurvePoint curve_point(const MeasuredRender& render, const BiasFloor& floor) {
+CurvePoint curve_point(const MeasuredRender& render) {
     const ErrorEstimate& e = render.tracker().estimate();
     CurvePoint p;
     p.seconds = render.seconds();
     p.cpu_seconds = render.cpu_seconds();
     p.samples = render.samples();
     p.rays = render.rays();
-    p.relrmse_percent = std::hypot(e.relrmse_percent, floor.relrmse_percent);
-    p.lo95 = std::hypot(e.lo95, floor.relrmse_percent);
-    p.hi95 = std::hypot(e.hi95, floor.relrmse_percent);
+    p.relrmse_percent = e.relrmse_percent;
+    p.lo95 = e.lo95;
+    p.hi95 = e.hi95;
     p.exponent = e.exponent;
     p.trust = e.trust;
     return p;
@@ -160,7 +160,8 @@ TimeToTarget time_to_target(const SweepResult& r, double target) {
         return t;
     }
     if (r.curve.empty()) {
-        t.why = "it got no doubling of its samples within the budget";
+        t.why =
+            r.last.why.empty() ? "it got no doubling of its samples within the budget" : r.last.why;
         return t;
     }
     // Measured: between the octaves around the target, straight on log-log axes.
@@ -274,7 +275,9 @@ SweepOutcome run_sweep(const AccuracyScene& scene, const SweepPlan& plan, Worker
                 c.result.floor =
                     measure_floor(c.half, c.render.film(), base.half, base.render.film(),
                                   static_cast<double>(scene.exposure_ev));
-            c.result.curve.push_back(curve_point(c.render, {}));
+            // Where no two samples differ nothing is known.
+            if (c.render.tracker().estimate().valid)
+                c.result.curve.push_back(curve_point(c.render));
         }
         if (!any) break;
     }
@@ -284,17 +287,19 @@ SweepOutcome run_sweep(const AccuracyScene& scene, const SweepPlan& plan, Worker
         c.result.image = c.render.film().image(false);
         c.result.block_errors = c.render.tracker().block_errors();
         // What the last octave knows of the floor holds for all of the curve.
+        const BiasFloor& floor = c.result.floor;
         for (CurvePoint& p : c.result.curve) {
-            for (double* value : {&p.relrmse_percent, &p.lo95, &p.hi95})
-                *value = std::hypot(*value, c.result.floor.relrmse_percent);
+            p.relrmse_percent = std::hypot(p.relrmse_percent, floor.relrmse_percent);
+            p.lo95 = std::hypot(p.lo95, floor.lo95);
+            p.hi95 = std::hypot(p.hi95, floor.hi95);
         }
         outcome.results.push_back(std::move(c.result));
     }
-    outcome.target_percent =
-        plan.target_percent > 0
-            ? plan.target_percent
-            : rounded_up(std::max(outcome.results[0].last.relrmse_percent, 0.01));
     const SweepResult& base = outcome.results.front();
+    outcome.target_percent = plan.target_percent > 0 ? plan.target_percent
+                             : base.last.valid
+                                 ? rounded_up(std::max(base.last.relrmse_percent, 0.01))
+                                 : 1;
     const auto cost = [](const SweepResult& r) {
         return r.last.samples == 0 ? 0 : r.last.seconds / static_cast<double>(r.last.samples);
     };

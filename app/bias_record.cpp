@@ -17,7 +17,7 @@ std::string bias_sentence(const BiasFloor& floor, std::optional<double> loss_aft
         return text;
     }
     std::snprintf(text, sizeof(text),
-                  "puts a floor of %.3g %% under the error (brightness %+.2g %%)",
+                  "puts a floor of %.3g %% under the error (brightness %+.3g %%)",
                   floor.relrmse_percent, floor.brightness_percent);
     std::string sentence = text;
     if (!loss_after_seconds) return sentence;

@@ -218,6 +218,17 @@ def check_list(talbot, scene, folder):
     listed.write_text(f"{scene}\n{scene} --no-such\n")
     refused = run(talbot, "accuracy", "certify", "--list", str(listed), code=3)
     check("line 2" in refused.stderr and refused.stderr.count("\n") == 1, f"certify --list: {refused.stderr}")
+    for text, said in ((f"{scene} --frames 3\n", "line 1"), ("# nothing\n", "no scene")):
+        listed.write_text(text)
+        refused = run(talbot, "accuracy", "certify", "--list", str(listed), code=3)
+        check(said in refused.stderr and not refused.stdout, f"certify --list: {refused.stderr}{refused.stdout}")
+    # What is given goes before --quick.
+    run(talbot, "accuracy", "certify", scene, "--quick", "--seeds", "0", code=2)
+    done = subprocess.run([talbot, "accuracy", "certify", scene, "--quick", "--seeds", "1", "--to", "8", "--reference-factor", "4",
+                           "--json", "-"], capture_output=True, text=True, timeout=200)
+    report = json.loads(done.stdout)
+    check(report["seeds"] == 1 and report["milestones"] == [4, 8], f"certify --quick: {report['milestones']}")
+    check(not report["kept"] and done.returncode == 1 and not report["broken"], "certify: without a green claim nothing is proved")
 
 
 def main():
@@ -228,19 +239,20 @@ def main():
         check_sweep(talbot, scene, folder)
         check_ab(talbot, scene, folder)
         check_adaptive(talbot, scene, folder)
-        words = [talbot, "accuracy", "certify", scene, "--seeds", "2", "--from", "16", "--to", "32", "--pixels", "256",
+        words = [talbot, "accuracy", "certify", scene, "--seeds", "2", "--from", "16", "--to", "32", "--pixels", "1024",
                  "--reference-factor", "16", "--cache", name, "--json", str(folder / "certify.json")]
         first = subprocess.run(words, capture_output=True, text=True, timeout=200)
         check(first.returncode in (0, 1), f"certify: {first.stdout}{first.stderr}")
         certificate = json.load(open(folder / "certify.json"))
         check(certificate["schema"] == "talbot-certify/1", "certify: schema")
-        check((first.returncode == 1) == bool(certificate["broken"]), "certify: exit code 1 when broken")
+        check((first.returncode == 0) == certificate["kept"], "certify: exit code 1 when broken")
+        check(certificate["kept"] == (not certificate["broken"] and certificate["all"]["claims"] > 0), "certify: kept")
         check(len(list(folder.glob("*.film"))) == 4, "certify: references in the cache")
         claims = certificate["scenes"][0]["claims"]
         check_list(talbot, scene, folder)
         check(all(0.4 < c["relrmse_percent"] / c["truth"] < 2.5 for c in claims if c["samples"] >= 16), "certify: claims near the truth")
     for words in (["accuracy", scene, "--sweep", "depth=3"], ["accuracy", scene, "--sweep", "max-depth"],
-                  ["accuracy", scene, "--sweep", "nee=maybe"], ["accuracy", scene, "--budget", "0"],
+                  ["accuracy", scene, "--sweep", "nee=maybe"], ["accuracy", scene, "--budget", "0"], ["accuracy", scene, "--target-error", "0"],
                   ["accuracy", scene, "--size", "0x0"], ["accuracy", "certify", "--seeds", "0"],
                   ["accuracy", "certify", "--from", "3"], ["accuracy", "certify", "--cache", "/no/such/folder"]):
         refused = run(talbot, *words, code=2)

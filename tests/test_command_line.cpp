@@ -242,7 +242,8 @@ TEST_F(CommandLine, WhatHasNothingToSaveSaysSoWhenInterrupted) {
     const Outcome race = run("accuracy ab " + kCornell + " --size 16x16 --b '--max-depth 2'" +
                              " & pid=$!; sleep 2; kill -INT $pid; wait $pid; exit $?; :");
     EXPECT_EQ(race.code, 130) << race.output;
-    EXPECT_EQ(std::count(race.output.begin(), race.output.end(), '\n'), 3) << race.output;
+    EXPECT_EQ(std::count(race.output.begin(), race.output.end(), '\n'), 4) << race.output;
+    EXPECT_NE(race.output.find("interrupted before the budget was over\n"), std::string::npos);
 }
 
 TEST_F(CommandLine, ReplayOfASampleEndsInTheFilmsOwnNumber) {

@@ -94,6 +94,7 @@ BiasFloor measure_floor(const Film& half, const Film& now, const Film& base_half
     constexpr double kLevel = 0.01;
     floor.significant = floor.z > kSignificant || (floor.block_p_value < kLevel && mean > 0);
     floor.relrmse_percent = floor.significant ? 100 * std::sqrt(mean) : 0;
+    floor.lo95 = floor.significant ? 100 * std::sqrt(std::max(0.0, mean - 1.645 * sd)) : 0;
     floor.hi95 = 100 * std::sqrt(std::max(0.0, mean + 1.645 * sd));
     return floor;
 }

@@ -9,7 +9,8 @@ namespace talbot {
 // sides, so that few samples do.
 struct BiasFloor {
     double relrmse_percent = 0;     // 0 where it is not significant
-    double hi95 = 0;                // upper bound of the same
+    double lo95 = 0;                // lower bound of the floor, each at 95 %
+    double hi95 = 0;                // upper bound
     double z = 0;                   // of the squared floor against 0
     double block_p_value = 1;       // of the largest block difference, corrected for their number
     double brightness_percent = 0;  // change of the mean

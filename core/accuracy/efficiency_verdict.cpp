@@ -136,6 +136,10 @@ std::string times(double ratio) {
 
 std::string sentence(const EfficiencyVerdict& v) {
     const bool b = v.winner == Winner::b;
+    // Beyond this the interval says nothing.
+    constexpr double kWidest = 100;
+    if (v.winner == Winner::none && !(v.hi95 < kWidest * v.lo95))
+        return "no difference yet: too few renders to tell";
     if (v.winner == Winner::none)
         return "no difference yet (" + times(v.ratio) + "x, " + times(v.lo95) + " to " +
                times(v.hi95) + ")";
