@@ -64,20 +64,6 @@ TEST(Nodes, NegativeScaleKeepsItsSign) {
     EXPECT_LT(glm::determinant(Mat3d(scene.instances.at(0).world_from_object)), 0);
 }
 
-TEST(Nodes, SingularInstancesAreDroppedAndCounted) {
-    GltfBuilder b;
-    const double h = std::sqrt(0.5);
-    // Zero in one axis, seen through a rotation above, and an honest flat but regular one.
-    with_nodes(b, {{{"children", {1, 2, 3}}, {"rotation", {0.1, 0.2, 0.3, 0.9}}},
-                   {{"mesh", 0}, {"scale", {0, 0, 0}}},
-                   {{"mesh", 0}, {"scale", {1, 1, 0}}, {"rotation", {0, h, 0, h}}},
-                   {{"mesh", 0}, {"scale", {1, 1, 1e-6}}, {"rotation", {0, h, 0, h}}}});
-    TALBOT_LOADED(scene, b.load());
-    EXPECT_EQ(scene.instances.size(), 1u);
-    ASSERT_EQ(scene.warnings.size(), 1u);
-    EXPECT_TRUE(has_warning(scene, "2 instances with zero or infinite scale"));
-}
-
 TEST(Nodes, InstancesTooFarOutAreDropped) {
     GltfBuilder b;
     with_nodes(b, {{{"children", {1, 2}}},

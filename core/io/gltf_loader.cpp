@@ -13,6 +13,7 @@
 #include "core/io/gltf/animation.h"
 #include "core/io/gltf/choices.h"
 #include "core/io/gltf/extensions.h"
+#include "core/io/gltf/flatten.h"
 #include "core/io/gltf/images.h"
 #include "core/io/gltf/loading.h"
 #include "core/io/gltf/materials.h"
@@ -87,7 +88,7 @@ class GltfLoader {
         report(0.1f, "materials");
         tables_ = convert_materials(loading_, used_materials(*uses));
         if (Status decoded = decode(*uses); !decoded) return decoded.error();
-        place_meshes(*uses);
+        if (Status meshes = place_meshes(*uses); !meshes) return meshes.error();
         if (Status spheres = place_spheres(loading_, uses->spheres); !spheres)
             return spheres.error();
         drop_distant_instances();
@@ -250,7 +251,7 @@ class GltfLoader {
         }
     }
 
-    void place_meshes(const SurfaceUses& uses) {
+    Status place_meshes(const SurfaceUses& uses) {
         SceneDesc& desc = loading_.desc;
         std::vector<uint32_t> scene_mesh(jobs_.size(), kNotLoaded);
         size_t skipped = 0;
@@ -276,9 +277,27 @@ class GltfLoader {
             const uint32_t mesh = uses.shapes[use.shape].mesh;
             for (size_t p = 0; p < model_.meshes[mesh].primitives.size(); ++p) {
                 if (scene_mesh[first + p] == kNotLoaded) continue;
-                desc.instances.push_back({scene_mesh[first + p], use.object, use.world});
+                if (!use.is_flat) {
+                    desc.instances.push_back({scene_mesh[first + p], use.object, use.world});
+                } else if (Status done = place_flattened(use, scene_mesh[first + p]); !done) {
+                    return done;
+                }
             }
         }
+        return Done{};
+    }
+
+    // As a mesh of its own, where anything is left of it.
+    Status place_flattened(const MeshUse& use, uint32_t mesh) {
+        SceneDesc& desc = loading_.desc;
+        if (!loading_.budget.reserve(flattened_bytes(desc.meshes[mesh])))
+            return over_budget(loading_.document, loading_.options.max_bytes);
+        Mesh flat = flattened(desc.meshes[mesh], use.world);
+        if (flat.indices.empty()) return Done{};
+        const Mat4d place = compose(Vec3d(use.world[3]), Vec4d(0, 0, 0, 1), Vec3d(1));
+        desc.instances.push_back({static_cast<uint32_t>(desc.meshes.size()), use.object, place});
+        desc.meshes.push_back(std::move(flat));
+        return Done{};
     }
 
     // Beyond kMaxWorldCoordinate the squares of distances overflow.

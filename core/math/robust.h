@@ -51,6 +51,9 @@ inline constexpr float kSolidAngleSampling = 0.1f;
 // |determinant| of a matrix beside the product of its columns' lengths, below which it is singular
 // up to rounding in double.
 inline constexpr double kSingularRatio = 1e-14;
+// How far apart the layers of a flattened mesh stay, of what they would be were it not flattened:
+// so that floats still order them, and nobody sees the gap.
+inline constexpr double kFlatLayerShare = 0x1p-12;
 
 // Relative deviation of M^T M from a multiple of the identity that the rounding of a file's floats
 // may cause.

@@ -1,5 +1,5 @@
 // G15: mirrored, squeezed, stretched and sheared instances against the mesh transformed beforehand
-// in double; singular ones are left out.
+// in double; flattened ones against the flat mesh.
 #include <cmath>
 #include <cstdint>
 
@@ -8,6 +8,7 @@
 #include "app/hardcases/cases/mesh_shapes.h"
 #include "core/integrate/surface_interaction.h"
 #include "core/integrate/tiers.h"
+#include "core/math/robust.h"
 
 namespace talbot::hardcases::g15 {
 namespace {
@@ -165,8 +166,12 @@ void see_transform(const Mesh& mesh, const Transform& transform, uint64_t seed, 
     }));
 }
 
-// A file with an instance of no thickness, against the file without it.
-uint64_t changed_by_singular(uint64_t& nonfinite) {
+struct Singular {
+    uint64_t hidden = UINT64_MAX;  // pixels that an instance changes that is squeezed to a line
+    uint64_t flat = UINT64_MAX;    // and in which a flattened one is not the mesh flattened before
+};
+
+Singular see_singular(uint64_t& nonfinite) {
     SceneDesc desc;
     const uint32_t grey = add_material(desc, diffuse(Rgb(0.6f)));
     add_mesh(desc, uv_sphere_mesh(8, 16), grey);
@@ -176,16 +181,39 @@ uint64_t changed_by_singular(uint64_t& nonfinite) {
     RenderWith with;
     with.width = with.height = 48;
     with.passes = 2;
-    const Result<SceneDesc> without = load_text(gltf_text(desc, camera, with.width, with.height));
+    const auto read = [&](const SceneDesc& scene) {
+        return load_text(gltf_text(scene, camera, with.width, with.height));
+    };
+    const auto differing = [&](const SceneDesc& a, const SceneDesc& b) {
+        const Rendering first = render(a, camera, with);
+        const Rendering second = render(b, camera, with);
+        nonfinite += first.nonfinite + second.nonfinite;
+        return differing_pixels(first, second);
+    };
+    SceneDesc lined = desc;
+    Mat4d line(1.0);
+    line[1][1] = line[2][2] = 0;
+    lined.instances.push_back({0, 0, line});
+    SceneDesc turned = desc;
     Mat4d flat(1.0);
     flat[2][2] = 0;
-    desc.instances.push_back({0, 0, flat});
-    const Result<SceneDesc> mixed = load_text(gltf_text(desc, camera, with.width, with.height));
-    if (!without || !mixed || mixed->warnings.size() != 1) return UINT64_MAX;
-    const Rendering a = render(*without, camera, with);
-    const Rendering b = render(*mixed, camera, with);
-    nonfinite += b.nonfinite;
-    return differing_pixels(a, b);
+    flat[3] = Vec4d(0.5, 0, 1.5, 1);
+    turned.instances.push_back({0, 0, flat});
+    SceneDesc before = desc;
+    before.meshes.push_back(before.meshes[0]);
+    for (Vec3f& n : before.meshes[1].normals) n = Vec3f(0, 0, 1);
+    for (Vec3f& p : before.meshes[1].positions) p.z *= static_cast<float>(kFlatLayerShare);
+    before.instances.push_back({1, 0, translation(Vec3d(flat[3]))});
+    const Result<SceneDesc> alone = read(desc);
+    const Result<SceneDesc> with_line = read(lined);
+    const Result<SceneDesc> with_flat = read(turned);
+    const Result<SceneDesc> with_before = read(before);
+    Singular result;
+    if (!alone || !with_line || !with_flat || !with_before) return result;
+    result.hidden = differing(*alone, *with_line);
+    result.flat = differing(*with_before, *with_flat);
+    if (differing(*alone, *with_flat) == 0) result.flat = UINT64_MAX;
+    return result;
 }
 
 CaseResult run(Effort effort) {
@@ -203,19 +231,21 @@ CaseResult run(Effort effort) {
     result.measures.push_back(depth);
     result.measures.push_back(all.normal.measure("error of the unit normal", 1e-5));
     result.measures.push_back(all.parity.measure("rays that count, enter or leave wrongly"));
-    result.measures.push_back({"pixels that an instance of no thickness changes", NAN,
-                               static_cast<double>(changed_by_singular(result.nonfinite)), 0,
-                               Gate::at_most, ""});
+    const Singular singular = see_singular(result.nonfinite);
+    result.measures.push_back({"pixels that an instance squeezed to a line changes", NAN,
+                               static_cast<double>(singular.hidden), 0, Gate::at_most, ""});
+    result.measures.push_back({"pixels where a flattened instance is not the flat mesh", NAN,
+                               static_cast<double>(singular.flat), 0, Gate::at_most, ""});
     return result;
 }
 
-const bool kAdded = add_case(
-    {"G15", Priority::p0, "mirrored, squeezed and sheared instances", "normals by mat3(M)",
-     "inverse in double, normals by the cofactor matrix with the sign of the determinant, singular "
-     "instances dropped with a warning",
-     "google/filament#3001, NVIDIA-RTX/Donut#3, LuxCoreRender/LuxCore#300, "
-     "KhronosGroup/ANARI-SDK#8",
-     run});
+const bool kAdded =
+    add_case({"G15", Priority::p0, "mirrored, squeezed and sheared instances", "normals by mat3(M)",
+              "inverse in double, normals by the cofactor matrix with the sign of the determinant; "
+              "flattened instances as meshes of their own",
+              "google/filament#3001, NVIDIA-RTX/Donut#3, LuxCoreRender/LuxCore#300, "
+              "KhronosGroup/ANARI-SDK#8",
+              run});
 
 }  // namespace
 }  // namespace talbot::hardcases::g15

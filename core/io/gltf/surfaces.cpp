@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/io/gltf/accessor.h"
+#include "core/io/gltf/flatten.h"
 #include "core/io/gltf/values.h"
 #include "core/math/robust.h"
 
@@ -13,19 +14,18 @@ namespace talbot::gltf {
 
 namespace {
 
+// Whether its products, too, are finite.
 bool is_finite_matrix(const Mat4d& m) {
     for (int c = 0; c < 4; ++c) {
         if (!is_finite(Vec3d(m[c]))) return false;
     }
-    return true;
+    const Mat3d linear(m);
+    return is_finite(length(linear[0]) * length(linear[1]) * length(linear[2]));
 }
 
-// Whether the linear part squashes space to a plane or less, up to rounding: its determinant beside
-// its columns' lengths.
-bool is_singular(const Mat4d& m) {
-    const Mat3d linear(m);
-    const double volume = length(linear[0]) * length(linear[1]) * length(linear[2]);
-    return !(std::abs(glm::determinant(linear)) > kSingularRatio * volume);
+// Whether an instance there has any extent that can be seen.
+bool is_seen(const Mat4d& world) {
+    return is_finite_matrix(world) && rank_of(world) >= 2;
 }
 
 class SurfaceFinder {
@@ -45,20 +45,27 @@ class SurfaceFinder {
                 if (Status done = add_sphere(placed, *surface); !done) return done.error();
             }
         }
-        if (dropped_ > 0) {
-            loading_.desc.warnings.push_back(
-                std::to_string(dropped_) + " instances with zero or infinite scale are not drawn");
+        if (infinite_ > 0) {
+            loading_.warn(first_infinite_,
+                          std::to_string(infinite_) +
+                              " instances of infinite size or place, of which this is the first, "
+                              "are not drawn");
         }
         uses_.shapes = shapes_.take();
         return std::move(uses_);
     }
 
   private:
-    bool is_visible(const Mat4d& world) {
-        const bool visible = is_finite_matrix(world) && !is_singular(world);
-        if (!visible) ++dropped_;
-        return visible;
+    // What a scale of zero hides is left out without a word; what is not finite is counted.
+    bool is_drawn(const PlacedNode& placed, const Mat4d& world) {
+        if (!is_finite_matrix(world) && infinite_++ == 0)
+            first_infinite_ = element_name("nodes", placed.node);
+        return is_seen(world);
     }
+
+    // Animations may show at another moment what is hidden at this one: then tables keep their
+    // order at any moment.
+    bool may_appear() const { return !model_.animations.empty(); }
 
     uint32_t object_of(const PlacedNode& placed) {
         const std::string& name = model_.nodes[placed.node].name;
@@ -76,13 +83,14 @@ class SurfaceFinder {
             if (!done) return done.error();
         }
         if (node.skin < 0)
-            std::erase_if(worlds, [&](const Mat4d& world) { return !is_visible(world); });
-        if (worlds.empty()) return Done{};
+            std::erase_if(worlds, [&](const Mat4d& world) { return !is_drawn(placed, world); });
+        if (worlds.empty() && !may_appear()) return Done{};
         const Result<uint32_t> shape = shapes_.shape_of(node);
         if (!shape) return shape.error();
         if (node.skin >= 0) worlds = {shapes_[*shape].world};
         const uint32_t object = object_of(placed);
-        for (const Mat4d& world : worlds) uses_.meshes.push_back({*shape, object, world});
+        for (const Mat4d& world : worlds)
+            uses_.meshes.push_back({*shape, object, world, node.skin < 0 && rank_of(world) == 2});
         return Done{};
     }
 
@@ -188,7 +196,7 @@ class SurfaceFinder {
             }
             use.material = *material + 1;
         }
-        if (!is_visible(use.world)) return Done{};
+        if (!is_drawn(placed, use.world) && !may_appear()) return Done{};
         use.object = object_of(placed);
         uses_.spheres.push_back(use);
         return Done{};
@@ -198,7 +206,8 @@ class SurfaceFinder {
     const tinygltf::Model& model_;
     ShapeTable shapes_;
     SurfaceUses uses_;
-    size_t dropped_ = 0;
+    size_t infinite_ = 0;
+    std::string first_infinite_;
 };
 
 // Whether the linear part is a rotation (or reflection) times one scale, up to the rounding of a
@@ -254,6 +263,7 @@ Result<SurfaceUses> find_surfaces(Loading& loading, const std::vector<PlacedNode
 Status place_spheres(Loading& loading, const std::vector<SphereUse>& spheres) {
     SceneDesc& desc = loading.desc;
     for (const SphereUse& use : spheres) {
+        if (!is_seen(use.world)) continue;
         double scale = 1;
         if (is_similarity(use.world, scale)) {
             desc.spheres.push_back(
@@ -268,9 +278,12 @@ Status place_spheres(Loading& loading, const std::vector<SphereUse>& spheres) {
         mesh.name = desc.objects[use.object].name;
         mesh.material = use.material;
         loading.warn(mesh.name, "a sphere under non-uniform scale is drawn as triangles");
-        desc.instances.push_back(
-            {static_cast<uint32_t>(desc.meshes.size()), use.object,
-             use.world * compose(Vec3d(0), Vec4d(0, 0, 0, 1), Vec3d(use.radius))});
+        Mat4d world = use.world * compose(Vec3d(0), Vec4d(0, 0, 0, 1), Vec3d(use.radius));
+        if (rank_of(world) == 2) {
+            mesh = flattened(mesh, world);
+            world = compose(Vec3d(world[3]), Vec4d(0, 0, 0, 1), Vec3d(1));
+        }
+        desc.instances.push_back({static_cast<uint32_t>(desc.meshes.size()), use.object, world});
         desc.meshes.push_back(std::move(mesh));
     }
     return Done{};

@@ -14,6 +14,7 @@ struct MeshUse {
     uint32_t shape = 0;
     uint32_t object = 0;
     Mat4d world{1.0};
+    bool is_flat = false;  // world is of rank 2
 };
 
 // A sphere of a node, with the material of the scene.
@@ -30,8 +31,8 @@ struct SurfaceUses {
     std::vector<SphereUse> spheres;
 };
 
-// Follows the nodes; fills desc.objects. Instances that cannot be seen (zero scale, not finite) are
-// dropped and counted.
+// Follows the nodes; fills desc.objects. Instances that cannot be seen (zero scale on two or three
+// axes, not finite) are dropped; those that are not finite are counted.
 Result<SurfaceUses> find_surfaces(Loading& loading, const std::vector<PlacedNode>& nodes);
 
 // Fills desc.spheres; a sphere under non-uniform scale becomes an ellipsoid of triangles in
