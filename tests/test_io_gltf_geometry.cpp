@@ -55,6 +55,30 @@ TEST(Modes, TrianglesThatJoinStripsAreDropped) {
     EXPECT_EQ(scene.meshes.at(0).triangle_count(), 1u);
 }
 
+TEST(Modes, WhatHasNoAreaIsNamedAndCounted) {
+    GltfBuilder b;
+    // On a line that has no exact floats but these, and once more with a vertex named twice.
+    const int p = b.add_floats({0, 0, 0, 0.1f, 0.1f, 0.1f, 0.3f, 0.3f, 0.3f, 0, 1, 0}, "VEC3");
+    b.push(
+        "meshes",
+        {{"primitives",
+          Json::array(
+              {{{"attributes", {{"POSITION", p}}}, {"indices", b.add_indices({0, 1, 3})}},
+               {{"attributes", {{"POSITION", p}}},
+                {"indices", b.add_indices({0, 1, 2, 2, 1, 0, 0, 0, 3})}},
+               {{"attributes", {{"POSITION", p}}}, {"indices", b.add_indices({1, 1, 2, 3, 0, 3})}},
+               {{"attributes", {{"POSITION", p}}},
+                {"indices", b.add_indices({0, 1, 2, 0, 1, 3})}}})}});
+    b.add_node({{"mesh", 0}});
+    TALBOT_LOADED(scene, b.load());
+    EXPECT_EQ(scene.meshes.size(), 2u);
+    ASSERT_EQ(scene.warnings.size(), 2u);
+    EXPECT_EQ(scene.warnings[0],
+              "meshes[0].primitives[1]: all 3 triangles are lines or points; it is not drawn");
+    EXPECT_EQ(scene.warnings[1],
+              "meshes[0].primitives[2]: all 2 triangles are lines or points; it is not drawn");
+}
+
 TEST(Modes, PointsAndLinesAreSkippedWithOneWarning) {
     GltfBuilder b;
     const int p = b.add_floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");

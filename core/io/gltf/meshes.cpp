@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/geometry/exact_sign.h"
 #include "core/io/gltf/attributes.h"
 #include "core/io/gltf/deform.h"
 #include "core/io/gltf/tangents.h"
@@ -166,8 +167,25 @@ class PrimitiveLoader {
 
     // Strips are joined by triangles that name a vertex twice.
     void drop_collapsed() {
-        keep_triangles(
+        collapsed_ = keep_triangles(
             [](uint32_t a, uint32_t b, uint32_t c) { return a != b && b != c && c != a; });
+        if (mesh_.indices.empty()) warn_of_no_area();
+    }
+
+    void warn_of_no_area() {
+        warn("all " + std::to_string(collapsed_ + mesh_.triangle_count()) +
+             " triangles are lines or points; it is not drawn");
+    }
+
+    // One triangle with an area is enough: the ray engine drops and counts the others.
+    void drop_without_area() {
+        const std::vector<Vec3f>& p = mesh_.positions;
+        const std::vector<uint32_t>& v = mesh_.indices;
+        for (size_t i = 0; i < v.size(); i += 3) {
+            if (!exactly_collinear(p[v[i]], p[v[i + 1]], p[v[i + 2]])) return;
+        }
+        warn_of_no_area();
+        is_empty_ = true;
     }
 
     template <typename T>
@@ -212,6 +230,7 @@ class PrimitiveLoader {
             warn("positions that are not finite or out of range: " + std::to_string(dropped) +
                  " triangles are not drawn");
         is_empty_ = mesh_.indices.empty();
+        if (!is_empty_) drop_without_area();
     }
 
     Status read_normals() {
@@ -324,6 +343,7 @@ class PrimitiveLoader {
     PrimitiveResult result_;
     Mesh mesh_;
     VertexRange range_;      // the vertices of mesh_ among those of the accessors
+    size_t collapsed_ = 0;   // triangles that name a vertex twice
     bool is_empty_ = false;  // nothing of it can be drawn
 };
 
