@@ -70,6 +70,7 @@ ordered_json describe(const SceneSetup& setup, const LightReading& reading) {
     j["accel"] = {{"nodes", accel.nodes},
                   {"depth", accel.depth},
                   {"bytes", accel.bytes},
+                  {"triangles_in_one_place", accel.crowd},
                   {"build_seconds", accel.build_seconds}};
     j["load_seconds"] = setup.load_seconds;
     j["warnings"] = scene.warnings();
@@ -139,6 +140,8 @@ void print_text(const ordered_json& j) {
                 j["accel"]["nodes"].get<std::size_t>(), j["accel"]["depth"].get<std::size_t>(),
                 j["accel"]["bytes"].get<double>() * 1e-6,
                 j["accel"]["build_seconds"].get<double>() * 1e3);
+    for (const auto& w : j["warnings"])
+        std::printf("%-12s%s\n", "warning", w.get<std::string>().c_str());
 }
 
 }  // namespace

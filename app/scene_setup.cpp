@@ -168,7 +168,10 @@ Result<SceneSetup> set_up_scene(const Options& options, WorkerPool& pool) {
     const auto build_start = std::chrono::steady_clock::now();
     SceneBuildOptions build;
     build.quality = choose_quality(options, *desc);
+    const std::size_t said = desc->warnings.size();
     setup.scene = Scene::build(std::move(*desc), pool, build);
+    for (std::size_t i = said; i < setup.scene->warnings().size(); ++i)
+        log_warning(setup.scene->warnings()[i]);
     Result<std::shared_ptr<const Scene>> moving = set_in_motion(setup.scene, setup.file, load);
     if (!moving) return moving.error();
     setup.scene = std::move(*moving);

@@ -269,6 +269,29 @@ TEST_F(CommandLine, InfoNamesWhatIsInTheFile) {
     EXPECT_EQ(run("info " + kCornell + " --json").output.front(), '{');
 }
 
+TEST_F(CommandLine, SaysWhereManyTrianglesLieInOnePlace) {
+    // One triangle, 300 times.
+    std::string gltf =
+        R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}], "meshes": [{"name": "pile", "primitives": [{"attributes":
+        {"POSITION": 0}, "indices": 1}]}], "accessors": [{"bufferView": 0, "componentType": 5126,
+        "type": "VEC3", "count": 3}, {"bufferView": 1, "componentType": 5121, "type": "SCALAR",
+        "count": 900}], "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0,
+        "byteOffset": 36, "byteLength": 900}], "buffers": [{"byteLength": 936, "uri": "pile.bin"}]})";
+    write("pile.gltf", gltf);
+    const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    std::string bytes(reinterpret_cast<const char*>(corners), sizeof corners);
+    for (int i = 0; i < 900; ++i) bytes += static_cast<char>(i % 3);
+    write("pile.bin", bytes);
+    const std::string expected = "pile: 300 triangles lie in one place";
+    for (const char* command : {"info ", "--frames 1 --size 16x12 "}) {
+        const Outcome outcome = run(command + path("pile.gltf"));
+        EXPECT_EQ(outcome.code, 0);
+        EXPECT_NE(outcome.output.find(expected), std::string::npos) << outcome.output;
+    }
+    EXPECT_EQ(run("info " + kCornell).output.find("one place"), std::string::npos);
+}
+
 // What is no regular file stays what it is; a link stays a link.
 TEST_F(CommandLine, ReplacesNoDeviceAndFollowsLinks) {
     const std::string render = kCornell + " --frames 1 --size 16x12 ";

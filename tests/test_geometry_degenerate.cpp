@@ -68,6 +68,47 @@ TEST(DegenerateBuild, IdenticalTriangles) {
     EXPECT_EQ(hit.t, 1.0f);
     ray.o.x = 0.9f;
     EXPECT_FALSE(accel->closest(ray, hit));
+    EXPECT_EQ(accel->stats().crowd, 100000u);
+    EXPECT_EQ(accel->stats().crowd_mesh, 0u);
+}
+
+// Triangles in one place among others are counted, all of them, and their mesh is named.
+TEST(DegenerateBuild, ACrowdIsCounted) {
+    Rng rng(7);
+    MeshData others;
+    MeshData mixed;
+    const auto scatter = [&](MeshData& mesh, int count) {
+        for (int i = 0; i < count; ++i) {
+            const Vec3f p = rng.in_box(-5, 5);
+            mesh.add_triangle(p, p + rng.in_box(0, 1), p + rng.in_box(0, 1));
+        }
+    };
+    scatter(others, 20000);
+    scatter(mixed, 10000);
+    for (int i = 0; i < 1000; ++i) mixed.add_triangle({1, 1, 1}, {2, 1, 1}, {1, 2, 1});
+    scatter(mixed, 10000);
+    Mat4d moved(1.0);
+    moved[3].x = 3;
+    WorkerPool pool(2);
+    for (const bool is_shared : {false, true}) {
+        SceneData scene;
+        scene.show(others);
+        scene.show(mixed);
+        if (is_shared) {
+            scene.instances.pop_back();
+            scene.place(1, moved);
+        }
+        for (const BuildQuality quality : {BuildQuality::fast, BuildQuality::high}) {
+            const auto accel = build(scene, quality);
+            EXPECT_EQ(accel->stats().crowd, 1000u);
+            EXPECT_EQ(accel->stats().crowd_mesh, 1u);
+            if (quality == BuildQuality::high) continue;
+            const auto refitted = refit_accel(*accel, scene.input(), pool);
+            ASSERT_TRUE(refitted);
+            EXPECT_EQ(refitted->stats().crowd, 1000u);
+        }
+    }
+    EXPECT_LT(build(scene_of(others))->stats().crowd, 4u);
 }
 
 TEST(DegenerateBuild, CentroidsAtPowersOfTwo) {

@@ -63,6 +63,12 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& po
         };
     }
 
+    const auto note_crowd = [&stats](const Tree& tree, uint32_t mesh) {
+        if (tree.crowd <= stats.crowd) return;
+        stats.crowd = tree.crowd;
+        stats.crowd_mesh = mesh;
+    };
+
     // The trees of the shared meshes, in the order of make_objects.
     HugePageVector<BuildPrimitive> primitives;
     size_t next_tree = 0;
@@ -80,6 +86,7 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& po
         if (!build_tree(primitives, input.quality, load, &pool, stop, report,
                         scene.trees[next_tree]))
             return nullptr;
+        note_crowd(scene.trees[next_tree], mesh_index);
         before += mesh.indices.size() / 3;
         stats.dropped_triangles += dropped_in_tree[next_tree];
         ++next_tree;
@@ -106,6 +113,10 @@ std::unique_ptr<const Accel> build_accel(const AccelInput& input, WorkerPool& po
     };
     if (!build_tree(primitives, input.quality, load, &pool, stop, report, scene.top))
         return nullptr;
+    if (scene.top.crowd > 0) {
+        const PrimitiveId id = scene.merged.id(scene.top.crowd_number);
+        note_crowd(scene.top, input.instances[id.instance].mesh);
+    }
 
     complete(input, *accel);
     stats.build_seconds =

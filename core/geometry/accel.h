@@ -64,6 +64,10 @@ struct AccelStats {
     uint64_t nodes = 0;
     uint64_t bytes = 0;
     uint64_t dropped_triangles = 0;  // non-finite or exactly degenerate, which no ray can hit
+    // The most triangles in one place, so that no tree parts them and a ray there tests them all;
+    // and a mesh that has of them.
+    uint64_t crowd = 0;
+    uint32_t crowd_mesh = kNoId;
     uint32_t depth = 0;
     double build_seconds = 0;
 };

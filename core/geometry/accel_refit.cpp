@@ -225,6 +225,8 @@ std::unique_ptr<const Accel> refit_accel(const Accel& previous, const AccelInput
     }
     accel->numbers.dropped_triangles =
         total + in_top - found - (scene.top.is_empty ? 0 : of_top.hittable());
+    accel->numbers.crowd = old->numbers.crowd;
+    accel->numbers.crowd_mesh = old->numbers.crowd_mesh;
     complete(input, *accel);
     accel->numbers.build_seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -75,6 +75,8 @@ struct Tree {
     uint64_t triangles = 0;
     uint64_t references = 0;  // lanes in use: more than triangles where some were cut
     double built_cost = 0;    // of refitted trees: tree_cost when they were built
+    uint64_t crowd = 0;       // most triangles whose boxes share one centre: no split parts them
+    uint32_t crowd_number = kNoId;  // of one of those
 
     template <class Corner>
     void set_bounds(const Corner& lower, const Corner& upper) {

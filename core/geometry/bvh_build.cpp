@@ -79,6 +79,7 @@ class Builder {
             Range first;
             Range second;
             split(children[best], first, second);
+            first.crowd = second.crowd = children[best].crowd;
             choose_split(first, depth);
             choose_split(second, depth);
             children[best] = first;
@@ -91,6 +92,10 @@ class Builder {
 
     // Builds the subtree below `range` into `tree` and returns its reference.
     uint32_t build(const Range& range, uint32_t depth, Tree& tree) {
+        if (range.crowd > tree.crowd) {
+            tree.crowd = range.crowd;
+            tree.crowd_number = primitives_[range.begin].index;
+        }
         if (range.is_leaf) return make_leaf(range, tree);
         TALBOT_CHECK(depth < kMaxDepth);
         tree.depth = std::max(tree.depth, depth + 1);
@@ -166,6 +171,7 @@ class Builder {
 
     // Decides whether the range is a leaf, and else where it is split.
     void choose_split(Range& range, uint32_t depth) const {
+        if (range.is_crowd()) range.crowd = std::max(range.crowd, range.size());
         // Objects and triangles never share a leaf, and objects have leaves of their own.
         const bool may_be_leaf =
             range.objects == 0 ? range.size() <= kMaxLeafItems * kBlockWidth : range.size() == 1;
@@ -337,6 +343,10 @@ uint32_t append(Tree& tree, UpperTree::Task& task) {
     tree.objects.insert(tree.objects.end(), task.tree.objects.begin(), task.tree.objects.end());
     tree.depth = std::max(tree.depth, task.tree.depth);
     tree.references += task.tree.references;
+    if (task.tree.crowd > tree.crowd) {
+        tree.crowd = task.tree.crowd;
+        tree.crowd_number = task.tree.crowd_number;
+    }
     task.tree = {};
     return root;
 }

@@ -51,8 +51,15 @@ struct Range {
     int axis = kNoAxis;
     uint32_t split_bin = 0;   // the first one of the second part
     bool is_spatial = false;  // the split is by a plane, through primitives
+    uint64_t crowd = 0;  // triangles of the largest range above, or this, that share one centroid
 
     uint64_t size() const { return end - begin; }
+    bool is_crowd() const {
+        for (int i = 0; i < 3; ++i) {
+            if (centroids.lower[i] != centroids.upper[i]) return false;
+        }
+        return objects == 0;
+    }
     void add(const BuildPrimitive& p) {
         const Float4 lower = lower_of(p);
         const Float4 upper = upper_of(p);

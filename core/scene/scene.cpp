@@ -227,6 +227,11 @@ std::shared_ptr<const Scene> Scene::build(SceneDesc desc, WorkerPool& pool,
             geometry->accel = build_accel(input, pool, options.stop, options.progress);
     }
     if (!geometry->accel) return nullptr;
+    if (const AccelStats& stats = geometry->accel->stats(); stats.crowd >= kCrowdWorthSaying) {
+        desc.warnings.push_back(geometry->meshes[stats.crowd_mesh].name + ": " +
+                                std::to_string(stats.crowd) +
+                                " triangles lie in one place; rays that come there are slow");
+    }
     geometry->bounds = geometry->accel->bounds();
     scene->geometry_ = std::move(geometry);
     scene->textures_ = std::make_shared<const std::vector<Texture>>(std::move(desc.textures));

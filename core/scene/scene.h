@@ -40,6 +40,9 @@ struct SceneGeometry {
     std::shared_ptr<const Accel> accel;
 };
 
+// From so many triangles in one place on a warning says so: a ray there tests them all.
+inline constexpr uint64_t kCrowdWorthSaying = 256;
+
 // What the intersector is built from; spans point into the geometry.
 AccelInput accel_input(const SceneGeometry& geometry, BuildQuality quality);
 
