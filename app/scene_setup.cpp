@@ -69,7 +69,7 @@ Result<SceneDesc> read_scene(GltfFile& file, const LoadOptions& load, const Opti
         desc->warnings.push_back(
             "the file has no light: a plain sky lights it; choose with --environment");
     }
-    for (const std::string& warning : desc->warnings) log_warning(warning);
+    for (const std::string& warning : desc->warnings) log_warning(desc->file + ": " + warning);
     if (options.environment.empty()) {
         desc->environment.rotation_degrees = options.environment_rotation;
         return desc;
@@ -171,7 +171,7 @@ Result<SceneSetup> set_up_scene(const Options& options, WorkerPool& pool) {
     const std::size_t said = desc->warnings.size();
     setup.scene = Scene::build(std::move(*desc), pool, build);
     for (std::size_t i = said; i < setup.scene->warnings().size(); ++i)
-        log_warning(setup.scene->warnings()[i]);
+        log_warning(setup.scene->file() + ": " + setup.scene->warnings()[i]);
     Result<std::shared_ptr<const Scene>> moving = set_in_motion(setup.scene, setup.file, load);
     if (!moving) return moving.error();
     setup.scene = std::move(*moving);

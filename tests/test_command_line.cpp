@@ -289,6 +289,10 @@ TEST_F(CommandLine, SaysWhereManyTrianglesLieInOnePlace) {
         EXPECT_EQ(outcome.code, 0);
         EXPECT_NE(outcome.output.find(expected), std::string::npos) << outcome.output;
     }
+    const Outcome named = run("--frames 1 --size 16x12 " + path("pile.gltf"));
+    EXPECT_NE(named.output.find("warning: " + path("pile.gltf") + ": " + expected),
+              std::string::npos)
+        << named.output;
     EXPECT_EQ(run("info " + kCornell).output.find("one place"), std::string::npos);
 }
 

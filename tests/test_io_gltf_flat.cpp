@@ -108,9 +108,9 @@ TEST(Flat, WhatWasInFrontStaysInFront) {
 
 TEST(Flat, TwoAxesOfZeroHideANodeWithoutAWord) {
     GltfBuilder b;
-    with_roof(b, {{{"children", {1, 2, 3, 4}}, {"rotation", {0.1, 0.2, 0.3, 0.9}}},
+    with_roof(b, {{{"children", {1, 2, 3, 4}}, {"rotation", {0.1, 0.3, 0.3, 0.9}}},
                   {{"mesh", 0}, {"scale", {0, 0, 0}}},
-                  {{"mesh", 0}, {"scale", {0, 0, 2}}, {"rotation", {0.4, 0.2, 0.7, 0.1}}},
+                  {{"mesh", 0}, {"scale", {0, 0, 2}}, {"rotation", {0.5, 0.1, 0.7, 0.5}}},
                   {{"mesh", 0}, {"scale", {1e-200, 1e-200, 1e-200}}},
                   {{"mesh", 0}, {"name", "seen"}}});
     TALBOT_LOADED(desc, b.load());

@@ -319,7 +319,7 @@ GltfBuilder& with_sphere(GltfBuilder& b, const Json& node) {
 TEST(Spheres, UniformScaleStaysExact) {
     GltfBuilder b;
     with_sphere(b, {{"translation", {1, 2, 3}},
-                    {"rotation", {0.1, 0.2, 0.3, 0.9}},
+                    {"rotation", {0.1, 0.3, 0.3, 0.9}},
                     {"scale", {-2, 2, 2}},
                     {"name", "ball"}});
     TALBOT_LOADED(scene, b.load());

@@ -146,6 +146,7 @@ class SurfaceFinder {
             !done)
             return done;
         if (!count) return Done{};
+        size_t without_rotation = 0;
         worlds.clear();
         worlds.reserve(*count);
         for (size_t i = 0; i < *count; ++i) {
@@ -154,8 +155,14 @@ class SurfaceFinder {
             const Vec4d rotation = r.empty()
                                        ? Vec4d(0, 0, 0, 1)
                                        : Vec4d(r[4 * i], r[4 * i + 1], r[4 * i + 2], r[4 * i + 3]);
+            if (rotation == Vec4d(0)) ++without_rotation;
             const Vec3d scale = s.empty() ? Vec3d(1) : Vec3d(s[3 * i], s[3 * i + 1], s[3 * i + 2]);
             worlds.push_back(placed.world * compose(translation, rotation, scale));
+        }
+        if (without_rotation > 0) {
+            loading_.warn(element + ".attributes.ROTATION",
+                          std::to_string(without_rotation) +
+                              " are 0, 0, 0, 0, which is no rotation; none is made");
         }
         return Done{};
     }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -12,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 
 // Numbers of the elements of an array at `array`, both as words with slashes; 0 numbers are an
-// object.
+// object. Extras may be anything, their members may not.
 struct NumberMember {
     std::string_view array, member;
     size_t count;
@@ -30,6 +32,11 @@ constexpr auto kNumbers = std::to_array<NumberMember>({
     {"cameras", "perspective/aspectRatio", 1},
     {"cameras", "orthographic/xmag", 1},
     {"cameras", "orthographic/ymag", 1},
+    {"cameras", "extras/resolution", 2},
+    {"cameras", "extras/lens/apertureRadius", 1},
+    {"cameras", "extras/lens/focusDistance", 1},
+    {"cameras", "extras/lensShift", 2},
+    {"materials", "extras/nestedPriority", 1},
     {"materials", "alphaCutoff", 1},
     {"materials", "emissiveFactor", 3},
     {"materials", "normalTexture/scale", 1},
@@ -64,12 +71,46 @@ constexpr auto kNumbers = std::to_array<NumberMember>({
     {kLights, "color", 3},
     {kLights, "intensity", 1},
     {kLights, "range", 1},
+    {kLights, "extras/angularDiameter", 1},
     {kLights, "spot/innerConeAngle", 1},
     {kLights, "spot/outerConeAngle", 1},
     {"extensions/KHR_implicit_shapes/shapes", "sphere/radius", 1},
+    {"scenes", "extras/environment/color", 3},
 });
 
 constexpr size_t kMostWarnings = 20;
+
+// By how much the length of a rotation may differ from 1 without a word.
+constexpr double kUnitLengthSlack = 0.01;
+
+std::string rounded(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", value);
+    return text;
+}
+
+std::string listed(const std::vector<double>& values) {
+    std::string text;
+    for (const double value : values) text += (text.empty() ? "" : ", ") + rounded(value);
+    return text;
+}
+
+// Empty for a unit quaternion.
+std::string wrong_rotation(const std::vector<double>& q) {
+    const double size = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+    if (!(size > 0)) return "is 0, 0, 0, 0, which is no rotation; none is made";
+    if (!(std::abs(size - 1) > kUnitLengthSlack)) return "";
+    return "has length " + rounded(size) + " instead of 1; it is taken at length 1";
+}
+
+// Empty for an affine matrix.
+std::string wrong_matrix(const std::vector<double>& m) {
+    const std::vector<double> last{m[3], m[7], m[11], m[15]};
+    if (last == std::vector<double>{0, 0, 0, 1}) return "";
+    const bool by_rows = m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1;
+    return "has the last row " + listed(last) + " instead of 0, 0, 0, 1, which is taken" +
+           (by_rows ? "; is it written by rows? It must be by columns" : "");
+}
 
 class ValueCheck {
   public:
@@ -78,9 +119,10 @@ class ValueCheck {
 
     void run() {
         for (const NumberMember& wanted : kNumbers) check(wanted);
+        check_transforms();
         if (left_out_ > 0) {
             warnings_.push_back("values of the wrong kind: " + std::to_string(left_out_) +
-                                " more, for which defaults are used");
+                                " more are not listed");
         }
     }
 
@@ -117,7 +159,10 @@ class ValueCheck {
             note(name, what);
         };
         while (taken <= wanted.member.size()) {
-            if (!value->is_object()) return wrong("is not an object");
+            if (!value->is_object()) {
+                if (!is_extras(wanted.member.substr(0, taken))) wrong("is not an object");
+                return;
+            }
             const size_t slash = std::min(wanted.member.find('/', taken), wanted.member.size());
             const auto found = value->find(std::string(wanted.member.substr(taken, slash - taken)));
             if (found == value->end()) return;
@@ -130,20 +175,40 @@ class ValueCheck {
             wrong("is not " + std::to_string(wanted.count) + " numbers");
     }
 
+    // Of a path with the slash behind.
+    static bool is_extras(std::string_view path) { return path == "extras/"; }
+
+    void check_transforms() {
+        const Json* nodes = array_at("nodes");
+        for (size_t i = 0; nodes && i < nodes->size(); ++i) {
+            check_transform((*nodes)[i], i, "rotation", 4, wrong_rotation);
+            check_transform((*nodes)[i], i, "matrix", 16, wrong_matrix);
+        }
+    }
+
+    void check_transform(const Json& node, size_t index, const char* key, size_t count,
+                         std::string (*problem)(const std::vector<double>&)) {
+        const auto found = node.find(key);
+        if (found == node.end() || !is_numbers(*found, count)) return;
+        const std::string what = problem(found->get<std::vector<double>>());
+        if (!what.empty()) note("nodes[" + std::to_string(index) + "]." + key, what, "");
+    }
+
     static bool is_numbers(const Json& value, size_t count) {
         return value.is_array() && value.size() == count &&
                std::all_of(value.begin(), value.end(), [](const Json& n) { return n.is_number(); });
     }
 
     // Several members may lead through the same wrong value.
-    void note(const std::string& element, const std::string& what) {
+    void note(const std::string& element, const std::string& what,
+              const char* then = "; the default is used") {
         if (std::find(noted_.begin(), noted_.end(), element) != noted_.end()) return;
         if (noted_.size() == kMostWarnings) {
             ++left_out_;
             return;
         }
         noted_.push_back(element);
-        warnings_.push_back(element + ": " + what + "; the default is used");
+        warnings_.push_back(element + ": " + what + then);
     }
 
     const Json& root_;

@@ -1,5 +1,5 @@
-// Values of a glTF document that have the wrong type or number of components. The loader takes the
-// default where it cannot use what is written; here it is said.
+// Values of a glTF document that have the wrong type or number of components, and transforms that
+// are none. The loader takes the default where it cannot use what is written; here it is said.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
