@@ -71,7 +71,9 @@ TEST(Nodes, InstancesTooFarOutAreDropped) {
                    {{"mesh", 0}, {"translation", {1e10, 0, 0}}}});
     TALBOT_LOADED(scene, b.load());
     EXPECT_EQ(scene.instances.size(), 1u);
-    EXPECT_TRUE(has_warning(scene, "1 instances reach too far"));
+    EXPECT_TRUE(has_warning(scene,
+                            "node 1: 1 instances, of which this is the first, reach out of range "
+                            "(-1e+15 to 1e+15 m)"));
 }
 
 TEST(Nodes, WithoutScenesAllRootsAreShown) {

@@ -15,7 +15,8 @@ void expect_out_of_range(GltfBuilder& builder, const std::string& element) {
     const auto result = builder.load();
     ASSERT_FALSE(result.ok());
     EXPECT_EQ(result.error().element, element);
-    EXPECT_NE(result.error().what.find("out of range"), std::string::npos);
+    EXPECT_NE(result.error().what.find("out of range: at most 2147483647"), std::string::npos)
+        << result.error().what;
 }
 
 TEST(Values, OfTheWrongKindAreReported) {

@@ -20,6 +20,7 @@
 #include "core/io/gltf/meshes.h"
 #include "core/io/gltf/nodes.h"
 #include "core/io/gltf/surfaces.h"
+#include "core/io/gltf/values.h"
 #include "core/io/gltf/view.h"
 #include "core/io/image_io.h"
 #include "core/math/robust.h"
@@ -311,16 +312,24 @@ class GltfLoader {
         const auto is_distant = [](const Vec3d& center, double radius) {
             return !(max_component(glm::abs(center)) + radius < kMaxWorldCoordinate);
         };
-        size_t dropped = std::erase_if(desc.instances, [&](const MeshInstance& instance) {
+        std::vector<uint32_t> dropped;  // objects
+        const auto drop = [&](bool is_dropped, uint32_t object) {
+            if (is_dropped) dropped.push_back(object);
+            return is_dropped;
+        };
+        std::erase_if(desc.instances, [&](const MeshInstance& instance) {
             const Mat4d& m = instance.world_from_object;
             const double growth = length(Vec3d(m[0])) + length(Vec3d(m[1])) + length(Vec3d(m[2]));
-            return is_distant(Vec3d(m[3]), growth * reach[instance.mesh]);
+            return drop(is_distant(Vec3d(m[3]), growth * reach[instance.mesh]), instance.object);
         });
-        dropped += std::erase_if(desc.spheres,
-                                 [&](const Sphere& s) { return is_distant(s.center, s.radius); });
-        if (dropped > 0)
-            desc.warnings.push_back(std::to_string(dropped) +
-                                    " instances reach too far out and are not drawn");
+        std::erase_if(desc.spheres, [&](const Sphere& s) {
+            return drop(is_distant(s.center, s.radius), s.object);
+        });
+        if (dropped.empty()) return;
+        loading_.warn(desc.objects[dropped.front()].name,
+                      std::to_string(dropped.size()) +
+                          " instances, of which this is the first, reach out of range (" +
+                          world_range() + ") and are not drawn");
     }
 
     Loading& loading_;

@@ -80,7 +80,8 @@ class DracoReader {
         const tinygltf::Value& extension = *find_extension_value(primitive_.extensions, kExtension);
         const std::optional<uint32_t> view = index_member(extension, "bufferView");
         if (!view || *view >= document_.model.bufferViews.size())
-            return fail("its bufferView is missing or out of range");
+            return fail("its bufferView is missing or out of range: there are " +
+                        std::to_string(document_.model.bufferViews.size()));
         const Result<std::span<const uint8_t>> bytes = view_bytes(document_, *view);
         if (!bytes) return bytes.error();
         const auto position = primitive_.attributes.find("POSITION");

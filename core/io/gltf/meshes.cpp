@@ -9,6 +9,7 @@
 #include "core/io/gltf/attributes.h"
 #include "core/io/gltf/deform.h"
 #include "core/io/gltf/tangents.h"
+#include "core/io/gltf/values.h"
 #include "core/math/robust.h"
 
 namespace talbot::gltf {
@@ -227,8 +228,8 @@ class PrimitiveLoader {
             return usable(a) && usable(b) && usable(c);
         });
         if (dropped > 0)
-            warn("positions that are not finite or out of range: " + std::to_string(dropped) +
-                 " triangles are not drawn");
+            warn("positions that are not finite or out of range (" + world_range() +
+                 "): " + std::to_string(dropped) + " triangles are not drawn");
         is_empty_ = mesh_.indices.empty();
         if (!is_empty_) drop_without_area();
     }

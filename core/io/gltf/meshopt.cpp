@@ -119,7 +119,10 @@ Result<CompressedView> parse_view(const Json& root, size_t index, const Json& pa
     view.mode = *mode_of(mode);
     view.filter = *filter_of(filter);
     if (const std::string wrong = mismatch(view); !wrong.empty()) return fail(index, wrong);
-    if (view.count > kMaxInteger / view.stride) return fail(index, "its count is out of range");
+    if (view.count > kMaxInteger / view.stride) {
+        return fail(index, "its count is out of range: at most " +
+                               std::to_string(kMaxInteger / view.stride));
+    }
     if (const auto outer = integer(parent, "byteStride"); outer && *outer != view.stride) {
         return fail(index, "byteStride is " + std::to_string(view.stride) + ", but " +
                                std::to_string(*outer) + " in the buffer view");

@@ -99,7 +99,9 @@ class StructureCheck {
         if (!value.is_number_unsigned()) return fail(element, "is not a non-negative integer");
         const auto number = value.get<uint64_t>();
         if (!*target) {
-            if (number > kMaxInteger) fail(element, std::to_string(number) + " is out of range");
+            if (number > kMaxInteger)
+                fail(element, std::to_string(number) + " is out of range: at most " +
+                                  std::to_string(kMaxInteger));
         } else if (number >= size_of(target)) {
             fail(element, std::to_string(number) + " is out of range: there are " +
                               std::to_string(size_of(target)) + " " + target);
@@ -303,7 +305,8 @@ class StructureCheck {
     void check_int_range(const Json& value, const std::string& element) {
         if (error_) return;
         if (value.is_number_unsigned() && value.get<uint64_t>() > kMaxInt)
-            return fail(element, value.dump() + " is out of range");
+            return fail(element,
+                        value.dump() + " is out of range: at most " + std::to_string(kMaxInt));
         if (!value.is_object()) return;
         for (const auto& [key, member] : value.items())
             check_int_range(member, element + "." + key);

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <optional>
 #include <string>
 
 #include "core/io/gltf/model.h"
+#include "core/math/robust.h"
 #include "core/math/vec.h"
 
 namespace talbot::gltf {
@@ -46,6 +48,13 @@ inline bool numbers_member(const tinygltf::Value& value, const char* key, size_t
     }
     for (size_t i = 0; i < count; ++i) out[i] = found->Get(static_cast<int>(i)).GetNumberAsDouble();
     return true;
+}
+
+// The coordinates that are drawn, in words.
+inline std::string world_range() {
+    char text[64];
+    std::snprintf(text, sizeof text, "%g to %g m", -kMaxWorldCoordinate, kMaxWorldCoordinate);
+    return text;
 }
 
 // A double as a float within [low, high].
