@@ -11,13 +11,12 @@ Usage: estimators.py TALBOT [SCENE.gltf...] [--scenes DIR] [--environment FILE.h
 import json
 import os
 import pathlib
-import resource
-import subprocess
 import sys
 import tempfile
 
 import numpy as np
 
+from child_clock import run_timed
 from cycles_compare import read_pfm
 from gltf_arrays import Gltf
 from scene_arguments import scene_parser, scenes_of
@@ -44,11 +43,9 @@ def render(args, scene, options, spp, seed, folder):
     image = folder / "image.pfm"
     width, height = Gltf(scene).size(args.size_scale)
     # Without --report: its record measures what --max-depth removes, which takes longer than these renders.
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([args.talbot, scene, "--frames", str(spp), "--seed", str(seed), "--size", f"{width}x{height}", "--threads",
-                    str(args.threads), "--max-depth", "9", "--output", image, "--quiet", *options], check=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, read_pfm(image)
+    cpu, _ = run_timed([args.talbot, scene, "--frames", str(spp), "--seed", str(seed), "--size", f"{width}x{height}", "--threads",
+                    str(args.threads), "--max-depth", "9", "--output", image, "--quiet", *options])
+    return cpu, read_pfm(image)
 
 
 def measure(args, scene, environment, folder):

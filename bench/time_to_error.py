@@ -21,6 +21,7 @@ import tempfile
 
 import numpy as np
 
+from child_clock import run_timed
 from cycles_compare import read_pfm
 from gltf_arrays import Gltf
 from scene_arguments import scene_parser, scenes_of
@@ -36,14 +37,14 @@ class Talbot:
         self.args = args
 
     def run(self, scene, seed, spp, scale, folder):
-        image, report = folder / "talbot.pfm", folder / "talbot.json"
+        image = folder / "talbot.pfm"
         width, height = Gltf(scene).size(scale)
-        # Cycles' count of bounces sees emission after one more scattering event.
-        subprocess.run([self.args.talbot, scene, "--frames", str(spp), "--size", f"{width}x{height}", "--threads",
+        # Cycles' count of bounces sees emission after one more scattering event. Without --report: its record measures what
+        # --max-depth removes, which is no part of the picture.
+        cpu, wall = run_timed([self.args.talbot, scene, "--frames", str(spp), "--size", f"{width}x{height}", "--threads",
                         str(self.args.threads), "--max-depth", str(self.args.bounces + 1), "--seed", str(seed), "--output", image,
-                        "--report", report, "--quiet"], check=True)
-        run = json.loads(report.read_text())
-        return run["samples"], run["cpu_seconds"], run["seconds"]["render"], read_pfm(image)
+                        "--quiet"])
+        return width * height * spp, cpu, wall, read_pfm(image)
 
     def render(self, scene, seed, spp, scale, folder):
         # The difference of two lengths is sampling alone, as for the others.
