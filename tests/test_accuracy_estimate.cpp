@@ -329,6 +329,21 @@ TEST(Accuracy, StopsThatWereChosenSayNothingOfBrightness) {
     EXPECT_NEAR(summarise({&c}).stop_brightness_percent, 0.1, 1e-9);
 }
 
+TEST(Accuracy, StopsAreHeldToTheirRangeFrom32SamplesOn) {
+    Calibration c;
+    c.errors.push_back({0, 64, 4, 3, 5, 4, 1, Trust::green});
+    for (uint64_t seed = 0; seed < 20; ++seed) {
+        c.stops.push_back({seed, 64, 20, 18, 0, Trust::green});
+        c.stops.push_back({seed, 20, 50, 30, 0, Trust::green});
+    }
+    const CalibrationSummary s = summarise({&c});
+    EXPECT_EQ(s.stops, 20u);
+    EXPECT_EQ(s.stops_kept, 1);
+    EXPECT_NEAR(s.stop_ratio, 0.9, 1e-9);
+    for (StopClaim& stop : c.stops) stop.samples = 64;
+    EXPECT_EQ(summarise({&c}).stops_kept, 0.5);
+}
+
 TEST(Accuracy, PackedDifferencesKeepTheirMeanSquare) {
     std::mt19937 random(11);
     std::normal_distribution<float> normal;

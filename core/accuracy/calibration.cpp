@@ -11,6 +11,8 @@ namespace talbot {
 namespace {
 
 constexpr uint64_t kFirstJudged = 16;  // samples from which on the light is more than "too few"
+// Before, doubt is added for octaves that follow no law, and renders stop well below their target.
+constexpr uint64_t kFirstTightStop = 32;
 
 double share(std::size_t part, std::size_t all) {
     return all == 0 ? 0 : static_cast<double>(part) / static_cast<double>(all);
@@ -164,7 +166,7 @@ CalibrationSummary summarise(const std::vector<const Calibration*>& scenes) {
                 brightness += stop.brightness_percent;
                 brightness_square += stop.brightness_percent * stop.brightness_percent;
             }
-            if (!(stop.truth > 0)) continue;
+            if (!(stop.truth > 0) || stop.samples < kFirstTightStop) continue;
             ++s.stops;
             kept += stop.kept() ? 1 : 0;
             log_stop += std::log(stop.ratio());

@@ -107,9 +107,9 @@ struct CalibrationSummary {
     double predictions_close_seconds = 0;
     double prediction_ratio = 1;
     double all_predictions_close = 0;  // firm or not
-    std::size_t stops = 0;
-    double stops_kept = 0;  // share with truth over target within 0.75 to 1.05
-    double stop_ratio = 1;  // geometric mean of truth over target
+    std::size_t stops = 0;             // at 32 samples or more
+    double stops_kept = 0;             // share of these with truth over target within 0.75 to 1.05
+    double stop_ratio = 1;             // geometric mean of truth over target
     // Mean over all renders that stopped with a green light, and its standard deviation: a rule
     // that stops where light is still missing makes pictures too dark.
     double stop_brightness_percent = 0;
