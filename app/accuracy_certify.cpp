@@ -14,6 +14,7 @@
 #include "app/accuracy_claims.h"
 #include "app/exit_code.h"
 #include "app/interrupt.h"
+#include "app/json_figures.h"
 #include "app/output_files.h"
 #include "app/sub_command.h"
 #include "core/base/log.h"
@@ -98,24 +99,28 @@ Result<std::optional<CertifyOptions>> parse_certify(std::span<const std::string>
     return std::optional<CertifyOptions>(o);
 }
 
+// Figures of nothing are null.
 ordered_json summary_json(const CalibrationSummary& s) {
+    const auto of = [](std::size_t count, double figure) {
+        return count > 0 ? json_number(figure) : ordered_json();
+    };
     return {{"claims", s.claims},
-            {"coverage", s.coverage},
-            {"coverage_sd", s.coverage_sd},
-            {"estimate_over_truth", s.ratio},
-            {"interval_log_width", s.mean_width},
+            {"coverage", of(s.claims, s.coverage)},
+            {"coverage_sd", of(s.claims, s.coverage_sd)},
+            {"estimate_over_truth", of(s.claims, s.ratio)},
+            {"interval_log_width", of(s.claims, s.mean_width)},
             {"predictions", s.predictions},
             {"predictions_firm", s.predictions_firm},
-            {"predictions_close", s.predictions_close},
-            {"predictions_close_in_seconds", s.predictions_close_seconds},
-            {"predictions_inside", s.predictions_inside},
-            {"all_predictions_close", s.all_predictions_close},
-            {"actual_over_predicted", s.prediction_ratio},
+            {"predictions_close", of(s.predictions_firm, s.predictions_close)},
+            {"predictions_close_in_seconds", of(s.predictions_firm, s.predictions_close_seconds)},
+            {"predictions_inside", of(s.predictions, s.predictions_inside)},
+            {"all_predictions_close", of(s.predictions, s.all_predictions_close)},
+            {"actual_over_predicted", of(s.predictions_firm, s.prediction_ratio)},
             {"stops", s.stops},
-            {"stops_kept", s.stops_kept},
-            {"truth_over_target", s.stop_ratio},
-            {"stop_brightness_percent", s.stop_brightness_percent},
-            {"stop_brightness_sd", s.stop_brightness_sd},
+            {"stops_kept", of(s.stops, s.stops_kept)},
+            {"truth_over_target", of(s.stops, s.stop_ratio)},
+            {"stop_brightness_percent", of(s.lit_stops, s.stop_brightness_percent)},
+            {"stop_brightness_sd", of(s.lit_stops, s.stop_brightness_sd)},
             {"light", {{"green", s.green}, {"amber", s.amber}, {"red", s.red}}}};
 }
 
@@ -126,25 +131,32 @@ void print_header() {
     std::fflush(stdout);
 }
 
-std::string percent_or_dash(double share, std::size_t of) {
+std::string figure_or_dash(const char* format, double value, std::size_t of) {
     char text[32] = "-";
-    if (of > 0) std::snprintf(text, sizeof(text), "%.1f %%", 100 * share);
+    if (of > 0) std::snprintf(text, sizeof(text), format, value);
     return text;
+}
+
+std::string percent_or_dash(double share, std::size_t of) {
+    return figure_or_dash("%.1f %%", 100 * share, of);
 }
 
 void print_row(const std::string& name, const CalibrationSummary& s) {
     const std::string firm =
         std::to_string(s.predictions_firm) + "/" + std::to_string(s.predictions);
     std::printf(
-        "%-26s %7zu %9s %11.3f %5.1f %% %10s %9s %12s %11s %10.3f %7.3f %+9.2f %%  "
+        "%-26s %7zu %9s %11s %7s %10s %9s %12s %11s %10s %7s %11s  "
         "%3.0f/%3.0f/%3.0f %%\n",
-        name.c_str(), s.claims, percent_or_dash(s.coverage, s.claims).c_str(), s.ratio,
-        100 * (std::exp(0.5 * s.mean_width) - 1),
+        name.c_str(), s.claims, percent_or_dash(s.coverage, s.claims).c_str(),
+        figure_or_dash("%.3f", s.ratio, s.claims).c_str(),
+        percent_or_dash(std::exp(0.5 * s.mean_width) - 1, s.claims).c_str(),
         percent_or_dash(s.predictions_inside, s.predictions).c_str(), firm.c_str(),
         percent_or_dash(s.predictions_close, s.predictions_firm).c_str(),
         percent_or_dash(s.predictions_close_seconds, s.predictions_firm).c_str(),
-        s.prediction_ratio, s.stop_ratio, s.stop_brightness_percent, 100 * s.green, 100 * s.amber,
-        100 * s.red);
+        figure_or_dash("%.3f", s.prediction_ratio, s.predictions_firm).c_str(),
+        figure_or_dash("%.3f", s.stop_ratio, s.stops).c_str(),
+        figure_or_dash("%+.2f %%", s.stop_brightness_percent, s.lit_stops).c_str(), 100 * s.green,
+        100 * s.amber, 100 * s.red);
     std::fflush(stdout);
 }
 

@@ -126,7 +126,7 @@ CalibrationSummary summarise(const std::vector<const Calibration*>& scenes) {
     CalibrationSummary s;
     double log_ratio = 0, log_prediction = 0, log_stop = 0;
     std::size_t inside = 0, judged = 0, close = 0, inside_predictions = 0, kept = 0;
-    std::size_t close_seconds = 0, all_close = 0, lit_stops = 0;
+    std::size_t close_seconds = 0, all_close = 0;
     double brightness = 0, brightness_square = 0;
     std::size_t lights[4] = {0, 0, 0, 0};
     std::vector<Cluster> clusters;
@@ -162,7 +162,7 @@ CalibrationSummary summarise(const std::vector<const Calibration*>& scenes) {
             if (stop.trust != Trust::green) continue;
             if (std::find(scene->open_targets.begin(), scene->open_targets.end(),
                           stop.target_percent) == scene->open_targets.end()) {
-                ++lit_stops;
+                ++s.lit_stops;
                 brightness += stop.brightness_percent;
                 brightness_square += stop.brightness_percent * stop.brightness_percent;
             }
@@ -186,11 +186,12 @@ CalibrationSummary summarise(const std::vector<const Calibration*>& scenes) {
     s.all_predictions_close = share(all_close, s.predictions);
     s.stops_kept = share(kept, s.stops);
     s.stop_ratio = std::exp(mean(log_stop, s.stops));
-    s.stop_brightness_percent = mean(brightness, lit_stops);
-    const double spread =
-        mean(brightness_square, lit_stops) - s.stop_brightness_percent * s.stop_brightness_percent;
+    s.stop_brightness_percent = mean(brightness, s.lit_stops);
+    const double spread = mean(brightness_square, s.lit_stops) -
+                          s.stop_brightness_percent * s.stop_brightness_percent;
     s.stop_brightness_sd =
-        lit_stops < 2 ? 0 : std::sqrt(std::max(0.0, spread) / static_cast<double>(lit_stops - 1));
+        s.lit_stops < 2 ? 0
+                        : std::sqrt(std::max(0.0, spread) / static_cast<double>(s.lit_stops - 1));
     s.green = share(lights[static_cast<int>(Trust::green)], judged);
     s.amber = share(lights[static_cast<int>(Trust::amber)], judged);
     s.red = share(lights[static_cast<int>(Trust::red)], judged);

@@ -110,8 +110,10 @@ struct CalibrationSummary {
     std::size_t stops = 0;             // at 32 samples or more
     double stops_kept = 0;             // share of these with truth over target within 0.75 to 1.05
     double stop_ratio = 1;             // geometric mean of truth over target
-    // Mean over all renders that stopped with a green light, and its standard deviation: a rule
-    // that stops where light is still missing makes pictures too dark.
+    // Of how many renders that stopped with a green light, whichever samples they had, the mean
+    // brightness and its standard deviation: a rule that stops where light is still missing makes
+    // pictures too dark.
+    std::size_t lit_stops = 0;
     double stop_brightness_percent = 0;
     double stop_brightness_sd = 0;
     double green = 0;  // share of all claims from kTrustSamples samples on, by light
