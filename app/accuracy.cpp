@@ -94,6 +94,13 @@ std::string command_of(const std::vector<std::string>& words, const std::string&
     return text + (flags.empty() ? "" : " " + flags);
 }
 
+// Switches whose own bias nothing here shows, for errors and floors are against the base.
+bool is_biased(const RenderSettings& s) {
+    const RenderSettings unbiased;
+    return s.max_depth < unbiased.max_depth || s.texture_filter != unbiased.texture_filter ||
+           s.forced_off != EffectSet{};
+}
+
 // What to do, and whether a run bore it out.
 void advise(AccuracyReport& report, const std::vector<std::string>& words,
             const AccuracyScene& scene, WorkerPool& pool) {
@@ -166,6 +173,7 @@ void print_table(const AccuracyReport& report) {
                                                (t.measured ? "" : " pred.")
                                          : "never or unknown";
         const std::string floor = !r.config.may_be_biased ? "none"
+                                  : !(r.floor.hi95 > 0)   ? "not seen"
                                   : r.floor.significant
                                       ? three_digits(r.floor.relrmse_percent) + " %"
                                       : "< " + three_digits(r.floor.hi95) + " %";
@@ -183,18 +191,28 @@ void print_table(const AccuracyReport& report) {
     if (!report.advice_command.empty()) std::printf("%s\n", report.advice_command.c_str());
 }
 
+// To files first: who reads the standard output may have gone.
 Status write_reports(const AccuracyOptions& options, const AccuracyReport& report) {
-    if (options.json != "-") print_table(report);
-    if (Status s = write_text(options.json, report_json(report)); !s) return s;
-    if (!options.csv.empty()) {
-        if (Status s = write_text(options.csv, report_csv(report)); !s) return s;
-    }
     if (!options.png.empty()) {
         if (Status s = save_png(options.png, report_plot(report)); !s) return s;
     }
-    if (options.html.empty()) return Done{};
-    const Result<std::string> html = report_html(report);
-    return html ? write_text(options.html, *html) : Status(html.error());
+    const Result<std::string> html =
+        options.html.empty() ? Result<std::string>(std::string()) : report_html(report);
+    if (!html) return html.error();
+    const std::pair<const std::string&, std::string> texts[] = {{options.json, report_json(report)},
+                                                                {options.csv, report_csv(report)},
+                                                                {options.html, *html}};
+    bool is_stream_free = true;
+    for (const auto& [file, text] : texts) {
+        if (file == "-") is_stream_free = false;
+        if (file.empty() || file == "-") continue;
+        if (Status s = write_text(file, text); !s) return s;
+    }
+    if (is_stream_free) print_table(report);
+    for (const auto& [file, text] : texts) {
+        if (file == "-") return write_text(file, text);
+    }
+    return Done{};
 }
 
 Status measure(const AccuracyOptions& options, const Options& base) {
@@ -222,6 +240,9 @@ Status measure(const AccuracyOptions& options, const Options& base) {
     report.outcome = run_sweep(
         *scene, {*configs, options.budget_seconds, options.target_percent.value_or(0)}, pool);
     advise(report, options.rest, *scene, pool);
+    if (is_biased(base.render))
+        report.advice +=
+            " The base is biased itself: errors and floors are against its own converged picture.";
     if (options.why) {
         ErrorSharePolicy policy;
         policy.exposure_ev = scene->exposure_ev;

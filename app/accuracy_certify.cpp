@@ -91,6 +91,8 @@ Result<std::optional<CertifyOptions>> parse_certify(std::span<const std::string>
     if (!o.cache.empty() && !std::filesystem::is_directory(o.cache))
         return usage_error("accuracy certify",
                            "--cache: the folder '" + o.cache + "' does not exist");
+    if (!o.cache.empty() && o.json.ends_with(".film"))
+        return usage_error("--json", "must not end in .film, as the references in the cache do");
     if (o.scenes.empty() && o.list.empty()) {
         for (const char* name : {"cornell.gltf", "hero.glb", "spheres.gltf", "report.gltf",
                                  "report-extended.gltf", "rare-light.gltf"})

@@ -35,11 +35,12 @@ ordered_json octave_json(uint64_t seed, const Milestone& m, double by_reference)
     ordered_json octaves = ordered_json::array();
     for (const Octave& o : e.octaves)
         octaves.push_back({o.samples, o.difference, o.standard_error, o.gain, o.active_share});
+    const auto known = [&](double x) { return e.valid ? ordered_json(x) : ordered_json(); };
     return {{"seed", seed},
             {"samples", e.samples},
-            {"relrmse_percent", e.relrmse_percent},
-            {"lo95", e.lo95},
-            {"hi95", e.hi95},
+            {"relrmse_percent", known(e.relrmse_percent)},
+            {"lo95", known(e.lo95)},
+            {"hi95", known(e.hi95)},
             {"truth", m.truth},
             {"exponent", e.exponent},
             {"trust", trust_name(e.trust)},

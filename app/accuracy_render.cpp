@@ -6,7 +6,9 @@
 #include <filesystem>
 
 #include "app/checkpoint.h"
+#include "app/scene_assets.h"
 #include "core/base/cpu_clock.h"
+#include "core/io/image_io.h"
 #include "core/session/render_pass.h"
 
 namespace talbot {
@@ -23,6 +25,13 @@ PreparedView view_of(const AccuracyScene& scene, const RenderSettings& settings,
     return prepare_view(scene.setup.scene, scene.setup.camera, settings, pool, &base);
 }
 
+// Tells settings apart in the names of files.
+std::string short_hash(const std::string& text) {
+    constexpr std::size_t kDigits = 8;
+    return sha256_hex({reinterpret_cast<const uint8_t*>(text.data()), text.size()})
+        .substr(0, kDigits);
+}
+
 }  // namespace
 
 Result<AccuracyScene> load_accuracy_scene(const Options& options, WorkerPool& pool) {
@@ -31,6 +40,7 @@ Result<AccuracyScene> load_accuracy_scene(const Options& options, WorkerPool& po
     AccuracyScene scene;
     scene.name = scene_path(options).filename().string();
     scene.setup = std::move(*setup);
+    hash_assets(scene.setup);
     scene.render_scene = std::make_shared<const RenderScene>(scene.setup.scene);
     scene.exposure_ev = options.display.exposure_ev;
     scene.effects = analyse_effects(*scene.setup.scene, scene.setup.camera);
@@ -78,18 +88,18 @@ Result<Reference> render_reference(const AccuracyScene& scene, const RenderSetti
         own.seed = kReferenceSeed + i;
         own.first_sample = 0;
         own.adaptive = false;
+        const std::string words = sample_settings(*scene.setup.scene, scene.setup.camera, own);
         std::filesystem::path file;
         if (!cache.empty()) {
-            file = std::filesystem::path(cache) /
-                   (scene.name + "-" + std::to_string(own.width) + "x" +
-                    std::to_string(own.height) + "-" + std::to_string(i) + ".film");
+            file =
+                std::filesystem::path(cache) /
+                (scene.name + "-" + std::to_string(own.width) + "x" + std::to_string(own.height) +
+                 "-" + short_hash(words) + "-" + std::to_string(i) + ".film");
         }
-        const std::string words = sample_settings(*scene.setup.scene, scene.setup.camera, own);
-        if (!file.empty() && std::filesystem::exists(file)) {
-            Result<FilmFile> stored = load_film(file);
-            if (!stored) return stored.error();
+        // One that cannot be read is made anew.
+        if (Result<FilmFile> stored = file.empty() ? Result<FilmFile>(Error{}) : load_film(file)) {
             const FilmMetadata& m = stored->metadata;
-            if (m.settings == words && m.scene_sha256 == scene.setup.scene->sha256() &&
+            if (m.settings == words && m.scene_sha256 == scene.setup.identity &&
                 m.seed == own.seed && stored->film.min_samples() >= each) {
                 films.push_back(std::move(stored->film));
                 continue;
@@ -102,8 +112,9 @@ Result<Reference> render_reference(const AccuracyScene& scene, const RenderSetti
             const NonFiniteCount no_count;
             const FilmView view{render.film(), no_octaves, render.seconds(), render.rays(),
                                 no_count};
-            const Status saved = save_film(
-                file, view.film, film_metadata(*scene.setup.scene, scene.setup.camera, own, view));
+            const Status saved = save_film(file, view.film,
+                                           film_metadata(scene.setup.identity, *scene.setup.scene,
+                                                         scene.setup.camera, own, view));
             if (!saved) return saved.error();
         }
         films.push_back(render.film());

@@ -49,7 +49,8 @@ std::string apply(const std::string& key, const std::string& value, SweepConfig&
         const char* end = value.data() + value.size();
         const auto [stop, code] = std::from_chars(value.data(), end, number);
         if (code != std::errc{} || stop != end || number < least || number > 65535)
-            return "'" + value + "' is not a whole number";
+            return "'" + value + "' is not a whole number from " + std::to_string(least) +
+                   " to 65535";
         setting = number;
         config.flags = "--" + key + " " + value;
         return "";

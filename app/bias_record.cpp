@@ -11,6 +11,7 @@ std::vector<BiasEntry> measure_bias(const SceneSetup& setup, double exposure_ev,
 
 std::string bias_sentence(const BiasFloor& floor, std::optional<double> loss_after_seconds) {
     char text[160];
+    if (!(floor.hi95 > 0)) return "no difference to the base was seen";
     if (!floor.significant) {
         std::snprintf(text, sizeof(text), "no bias was seen; it would be below %.3g %%",
                       floor.hi95);

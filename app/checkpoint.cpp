@@ -121,10 +121,10 @@ std::string sample_settings(const Scene& scene, const Camera& camera,
     return text.take();
 }
 
-FilmMetadata film_metadata(const Scene& scene, const Camera& camera, const RenderSettings& settings,
-                           const FilmView& view) {
+FilmMetadata film_metadata(const std::string& identity, const Scene& scene, const Camera& camera,
+                           const RenderSettings& settings, const FilmView& view) {
     FilmMetadata metadata;
-    metadata.scene_sha256 = scene.sha256();
+    metadata.scene_sha256 = identity;
     metadata.settings = sample_settings(scene, camera, settings);
     metadata.seed = settings.seed;
     metadata.first_sample = settings.first_sample;
@@ -156,8 +156,10 @@ Status check_resume(const Options& options, const FilmFile& film, const SceneSet
         return refuse("is a film of " + size(film.film.width(), film.film.height()) +
                       ", but the render has " + size(s.width, s.height) + "; leave out --size");
     }
-    if (m.scene_sha256 != setup.scene->sha256())
-        return refuse("is a film of another scene; name the scene that it was made from");
+    if (m.scene_sha256 != setup.identity)
+        return refuse(
+            "is a film of another scene, or the scene's files have changed since; name the scene "
+            "that it was made from");
     if (m.seed != s.seed) {
         return refuse("has seed " + std::to_string(m.seed) + "; add --seed " +
                       std::to_string(m.seed));
@@ -214,9 +216,10 @@ void CheckpointWriter::save() {
     if (state->film.pixels().empty()) return;
     const FilmView view{state->film, state->error, state->render_seconds, state->rays,
                         state->nonfinite};
-    const Status saved =
-        save_film(file_, view.film,
-                  film_metadata(*setup_.scene, setup_.camera, setup_.settings, view), view.error);
+    const Status saved = save_film(
+        file_, view.film,
+        film_metadata(setup_.identity, *setup_.scene, setup_.camera, setup_.settings, view),
+        view.error);
     if (!saved) log_warning("checkpoint: " + saved.error().line());
 }
 

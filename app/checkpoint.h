@@ -19,8 +19,9 @@ namespace talbot {
 std::string sample_settings(const Scene& scene, const Camera& camera,
                             const RenderSettings& settings);
 
-FilmMetadata film_metadata(const Scene& scene, const Camera& camera, const RenderSettings& settings,
-                           const FilmView& view);
+// `identity` is that of the scene's files (SceneSetup).
+FilmMetadata film_metadata(const std::string& identity, const Scene& scene, const Camera& camera,
+                           const RenderSettings& settings, const FilmView& view);
 
 // The film of --resume, empty without the option. Gives options its size where none was asked for.
 Result<std::optional<FilmFile>> load_resume(Options& options);

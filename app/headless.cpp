@@ -11,6 +11,7 @@
 #include "app/output_files.h"
 #include "app/progress_line.h"
 #include "app/run_record.h"
+#include "app/scene_assets.h"
 #include "app/scene_setup.h"
 #include "app/viewer.h"
 #include "core/io/film_file.h"
@@ -105,8 +106,8 @@ Metadata metadata_of(const Snapshot& s) {
 }
 
 // Every file, whatever becomes of the others; the first error.
-Status write_files(const Options& options, RenderSession& session, const Snapshot& s,
-                   WorkerPool& pool, std::string& film_hash) {
+Status write_files(const Options& options, const SceneSetup& setup, RenderSession& session,
+                   const Snapshot& s, WorkerPool& pool, std::string& film_hash) {
     Status first = Done{};
     const auto note = [&first](Status status) {
         if (status) return;
@@ -127,7 +128,8 @@ Status write_files(const Options& options, RenderSession& session, const Snapsho
         if (!options.report.empty()) film_hash = view.film.hash();
         for (const std::string& file : {options.film, options.checkpoint}) {
             if (file.empty()) continue;
-            note(save_film(file, view.film, film_metadata(*s.scene, s.camera, s.settings, view),
+            note(save_film(file, view.film,
+                           film_metadata(setup.identity, *s.scene, s.camera, s.settings, view),
                            view.error));
         }
     });
@@ -196,9 +198,11 @@ void warn_of_trust(const Options& options, const ErrorEstimate& error) {
         log_warning("--target-error: the error is not known: " + error.why);
 }
 
-int finish(const Options& options, RenderSession& session, WorkerPool& pool, RunRecord record) {
+int finish(const Options& options, const SceneSetup& setup, RenderSession& session,
+           WorkerPool& pool, RunRecord record) {
     const Clock::time_point write_start = Clock::now();
-    const Status written = write_files(options, session, *record.snapshot, pool, record.film_hash);
+    const Status written =
+        write_files(options, setup, session, *record.snapshot, pool, record.film_hash);
     record.seconds.write = seconds_since(write_start);
     record.seconds.total += record.seconds.write;
     if (!options.report.empty()) {
@@ -251,6 +255,8 @@ int run_headless(const Options& given, Clock::time_point process_start) {
     const auto pool = std::make_shared<WorkerPool>(options.threads);
     Result<SceneSetup> setup = set_up_scene(options, *pool);
     if (!setup) return report_error(setup.error());
+    if (!options.report.empty() || !options.film.empty() || !options.checkpoint.empty() || *resumed)
+        hash_assets(*setup);
     setup->file.reset();
     if (*resumed) {
         if (Status status = check_resume(options, **resumed, *setup); !status)
@@ -275,10 +281,11 @@ int run_headless(const Options& given, Clock::time_point process_start) {
     }
     record.snapshot = snapshot.get();
     record.threads = pool->size();
+    record.assets = setup->assets;
     record.target_error_percent = options.target_error_percent;
     record.seconds = {setup->load_seconds, setup->build_seconds, snapshot->render_seconds, 0,
                       seconds_since(process_start)};
-    return finish(options, session, *pool, record);
+    return finish(options, *setup, session, *pool, record);
 }
 
 }  // namespace talbot

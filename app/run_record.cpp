@@ -121,6 +121,9 @@ std::string run_record_json(const RunRecord& record) {
     j["version"] = TALBOT_VERSION;
     j["scene"] = {
         {"file", s.scene->file()}, {"sha256", s.scene->sha256()}, {"reading", s.scene->reading()}};
+    j["scene"]["assets"] = ordered_json::array();
+    for (const AssetHash& asset : record.assets)
+        j["scene"]["assets"].push_back({{"file", asset.file}, {"sha256", asset.sha256}});
     if (const SceneMotion* motion = s.scene->motion().get())
         j["shutter"] = {{"open", motion->open}, {"seconds", motion->shutter}};
     j["environment"] = environment_json(s.scene->environment());

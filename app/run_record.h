@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/bias_record.h"
+#include "app/scene_setup.h"
 #include "core/base/result.h"
 #include "core/session/snapshot.h"
 
@@ -25,6 +26,7 @@ struct RunRecord {
     RunSeconds seconds;
     unsigned threads = 0;
     std::string film_hash;
+    std::vector<AssetHash> assets;
     std::optional<double> target_error_percent;
     std::vector<BiasEntry> bias;
     bool interrupted = false;

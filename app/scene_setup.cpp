@@ -176,6 +176,7 @@ Result<SceneSetup> set_up_scene(const Options& options, WorkerPool& pool) {
     if (!moving) return moving.error();
     setup.scene = std::move(*moving);
     setup.build_seconds = seconds_since(build_start);
+    setup.identity = setup.scene->sha256();
     Result<Camera> camera = choose_camera(options, *setup.scene);
     if (!camera) return camera.error();
     setup.camera = *camera;

@@ -12,6 +12,12 @@
 
 namespace talbot {
 
+// A file that the scene's file names, and the SHA-256 of its bytes in hex.
+struct AssetHash {
+    std::string file;
+    std::string sha256;
+};
+
 struct SceneSetup {
     std::shared_ptr<GltfFile> file;  // for reading it again; holds its bytes
     std::shared_ptr<const Scene> scene;
@@ -19,6 +25,8 @@ struct SceneSetup {
     RenderSettings settings;
     double load_seconds = 0;
     double build_seconds = 0;
+    std::vector<AssetHash> assets;  // once hash_assets() was called
+    std::string identity;           // SHA-256 of the main file; after that call, of all
 };
 
 // The scene file that is meant: the argument, or the built-in default.

@@ -91,6 +91,35 @@ TEST_F(CommandOutputs, OneNewFileUnderTwoNamesIsNoticed) {
     expect_refusal(render + "--first-sample 9007199254740992", 2, "--first-sample");
 }
 
+// Buffers and images are a part of the scene that a film belongs to.
+TEST_F(CommandOutputs, FilmsKnowAllFilesOfTheirScene) {
+    ASSERT_EQ(run_here("scene.gltf --frames 2 --size 8x8 --film a.film --report r.json").code, 0);
+    const nlohmann::json scene = program::read_json(path("r.json"))["scene"];
+    ASSERT_EQ(scene["assets"].size(), 1u);
+    EXPECT_NE(scene["assets"][0]["file"].get<std::string>().find("cornell.bin"), std::string::npos);
+    std::string bytes = program::read_text(path("cornell.bin"));
+    bytes[6] = static_cast<char>(bytes[6] ^ 1);
+    std::ofstream(path("cornell.bin"), std::ios::binary) << bytes;
+    expect_refusal("scene.gltf --frames 4 --resume a.film --output x.png", 3, "have changed");
+    ASSERT_EQ(
+        run_here("scene.gltf --frames 2 --size 8x8 --first-sample 2 --film b.film --quiet").code,
+        0);
+    EXPECT_EQ(run_here("merge m.film a.film b.film").code, 3);
+    EXPECT_FALSE(fs::exists(path("m.film")));
+}
+
+// A reader of the standard output that has gone takes no file with it.
+TEST_F(CommandOutputs, ReportsGoToFilesFirst) {
+    run_here(
+        "accuracy scene.gltf --size 16x16 --budget 0.3 --json - --html h.html --csv c.csv | true");
+    EXPECT_TRUE(fs::exists(path("h.html")) && fs::exists(path("c.csv")));
+    const Outcome csv = run_here("accuracy scene.gltf --size 16x16 --budget 0.3 --csv -");
+    EXPECT_EQ(csv.output.substr(0, 14), "configuration,") << csv.output;
+    const Outcome biased = run_here(
+        "accuracy scene.gltf --size 16x16 --budget 0.3 --max-depth 2 --sweep roulette=off");
+    EXPECT_NE(biased.output.find("The base is biased itself"), std::string::npos) << biased.output;
+}
+
 // Nothing but black is no picture without error.
 TEST_F(CommandOutputs, AnEvenPictureMeetsNoTarget) {
     const std::string dark = "scene.gltf --max-depth 0 --size 64x64 --orbit 0,99,0,0,90,1,20 ";

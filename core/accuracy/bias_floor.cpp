@@ -89,7 +89,9 @@ BiasFloor measure_floor(const Film& half, const Film& now, const Film& base_half
     const double sd = std::sqrt(variance) / (3 * pixels);
     floor.z = sd > 0 ? mean / sd : (mean > 0 ? HUGE_VAL : 0);
     floor.block_p_value =
-        std::min(1.0, static_cast<double>(tests) * std::erfc(largest / std::sqrt(2.0)));
+        tests == 0
+            ? 1.0
+            : std::min(1.0, static_cast<double>(tests) * std::erfc(largest / std::sqrt(2.0)));
     floor.brightness_percent = brightness > 0 ? 100 * change / brightness : 0;
     constexpr double kLevel = 0.01;
     floor.significant = floor.z > kSignificant || (floor.block_p_value < kLevel && mean > 0);
