@@ -13,6 +13,7 @@
 #include "app/sub_command.h"
 #include "core/base/log.h"
 #include "core/io/image_io.h"
+#include "core/session/bias_ledger.h"
 
 namespace talbot {
 namespace {
@@ -92,13 +93,6 @@ std::string command_of(const std::vector<std::string>& words, const std::string&
         text += " " + quoted(words[i]);
     }
     return text + (flags.empty() ? "" : " " + flags);
-}
-
-// Switches whose own bias nothing here shows, for errors and floors are against the base.
-bool is_biased(const RenderSettings& s) {
-    const RenderSettings unbiased;
-    return s.max_depth < unbiased.max_depth || s.texture_filter != unbiased.texture_filter ||
-           s.forced_off != EffectSet{};
 }
 
 // What to do, and whether a run bore it out.
@@ -196,22 +190,21 @@ Status write_reports(const AccuracyOptions& options, const AccuracyReport& repor
     if (!options.png.empty()) {
         if (Status s = save_png(options.png, report_plot(report)); !s) return s;
     }
-    const Result<std::string> html =
-        options.html.empty() ? Result<std::string>(std::string()) : report_html(report);
-    if (!html) return html.error();
-    const std::pair<const std::string&, std::string> texts[] = {{options.json, report_json(report)},
-                                                                {options.csv, report_csv(report)},
-                                                                {options.html, *html}};
-    bool is_stream_free = true;
-    for (const auto& [file, text] : texts) {
-        if (file == "-") is_stream_free = false;
-        if (file.empty() || file == "-") continue;
-        if (Status s = write_text(file, text); !s) return s;
+    std::vector<std::pair<std::string, std::string>> texts;  // file and what goes there
+    if (!options.json.empty()) texts.emplace_back(options.json, report_json(report));
+    if (!options.csv.empty()) texts.emplace_back(options.csv, report_csv(report));
+    if (!options.html.empty()) {
+        Result<std::string> html = report_html(report);
+        if (!html) return html.error();
+        texts.emplace_back(options.html, std::move(*html));
     }
-    if (is_stream_free) print_table(report);
-    for (const auto& [file, text] : texts) {
-        if (file == "-") return write_text(file, text);
+    const auto stream = std::stable_partition(texts.begin(), texts.end(),
+                                              [](const auto& text) { return text.first != "-"; });
+    for (auto text = texts.begin(); text != stream; ++text) {
+        if (Status s = write_text(text->first, text->second); !s) return s;
     }
+    if (stream != texts.end()) return write_text(stream->first, stream->second);
+    print_table(report);
     return Done{};
 }
 
@@ -240,7 +233,7 @@ Status measure(const AccuracyOptions& options, const Options& base) {
     report.outcome = run_sweep(
         *scene, {*configs, options.budget_seconds, options.target_percent.value_or(0)}, pool);
     advise(report, options.rest, *scene, pool);
-    if (is_biased(base.render))
+    if (!biased_switches(base.render).empty())
         report.advice +=
             " The base is biased itself: errors and floors are against its own converged picture.";
     if (options.why) {
@@ -270,8 +263,7 @@ int run_accuracy(std::span<const std::string> args) {
     Result<std::optional<Options>> base = parse_options((*options)->rest);
     if (!base) return fail(base.error());
     if (!*base) return kExitDone;
-    if ((*base)->headless() || (*base)->pixel || !(*base)->screenshot.empty() ||
-        !(*base)->interact.empty())
+    if ((*base)->acts())
         return fail(usage_error("accuracy",
                                 "says itself how long it renders and what it writes; leave out "
                                 "--frames, --time, --output and the like"));

@@ -97,9 +97,7 @@ Status check_same_view(const Options& base, const Options& side, const std::stri
 }
 
 ordered_json side_json(const AbSide& side, const std::string& flags) {
-    const auto known = [&](double x) {
-        return side.relrmse_percent > 0 ? json_number(x) : ordered_json();
-    };
+    const auto known = [&](double x) { return json_number_if(side.relrmse_percent > 0, x); };
     return {{"flags", flags},           {"kernel", side.kernel},
             {"samples", side.samples},  {"seconds", side.seconds},
             {"rays", side.rays},        {"relrmse_percent", known(side.relrmse_percent)},

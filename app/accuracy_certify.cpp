@@ -103,26 +103,24 @@ Result<std::optional<CertifyOptions>> parse_certify(std::span<const std::string>
 
 // Figures of nothing are null.
 ordered_json summary_json(const CalibrationSummary& s) {
-    const auto of = [](std::size_t count, double figure) {
-        return count > 0 ? json_number(figure) : ordered_json();
-    };
     return {{"claims", s.claims},
-            {"coverage", of(s.claims, s.coverage)},
-            {"coverage_sd", of(s.claims, s.coverage_sd)},
-            {"estimate_over_truth", of(s.claims, s.ratio)},
-            {"interval_log_width", of(s.claims, s.mean_width)},
+            {"coverage", json_number_if(s.claims > 0, s.coverage)},
+            {"coverage_sd", json_number_if(s.claims > 0, s.coverage_sd)},
+            {"estimate_over_truth", json_number_if(s.claims > 0, s.ratio)},
+            {"interval_log_width", json_number_if(s.claims > 0, s.mean_width)},
             {"predictions", s.predictions},
             {"predictions_firm", s.predictions_firm},
-            {"predictions_close", of(s.predictions_firm, s.predictions_close)},
-            {"predictions_close_in_seconds", of(s.predictions_firm, s.predictions_close_seconds)},
-            {"predictions_inside", of(s.predictions, s.predictions_inside)},
-            {"all_predictions_close", of(s.predictions, s.all_predictions_close)},
-            {"actual_over_predicted", of(s.predictions_firm, s.prediction_ratio)},
+            {"predictions_close", json_number_if(s.predictions_firm > 0, s.predictions_close)},
+            {"predictions_close_in_seconds",
+             json_number_if(s.predictions_firm > 0, s.predictions_close_seconds)},
+            {"predictions_inside", json_number_if(s.predictions > 0, s.predictions_inside)},
+            {"all_predictions_close", json_number_if(s.predictions > 0, s.all_predictions_close)},
+            {"actual_over_predicted", json_number_if(s.predictions_firm > 0, s.prediction_ratio)},
             {"stops", s.stops},
-            {"stops_kept", of(s.stops, s.stops_kept)},
-            {"truth_over_target", of(s.stops, s.stop_ratio)},
-            {"stop_brightness_percent", of(s.lit_stops, s.stop_brightness_percent)},
-            {"stop_brightness_sd", of(s.lit_stops, s.stop_brightness_sd)},
+            {"stops_kept", json_number_if(s.stops > 0, s.stops_kept)},
+            {"truth_over_target", json_number_if(s.stops > 0, s.stop_ratio)},
+            {"stop_brightness_percent", json_number_if(s.lit_stops > 0, s.stop_brightness_percent)},
+            {"stop_brightness_sd", json_number_if(s.lit_stops > 0, s.stop_brightness_sd)},
             {"light", {{"green", s.green}, {"amber", s.amber}, {"red", s.red}}}};
 }
 
@@ -196,8 +194,7 @@ Result<std::vector<Options>> scenes_of(const CertifyOptions& options) {
         if (!*scene || (*scene)->scene_file.empty())
             return Error{ErrorKind::bad_input, options.list, "line " + std::to_string(number),
                          "begins with no scene"};
-        if ((*scene)->headless() || (*scene)->pixel || !(*scene)->screenshot.empty() ||
-            !(*scene)->interact.empty() || (*scene)->command != Command::render)
+        if ((*scene)->acts() || (*scene)->command != Command::render)
             return Error{ErrorKind::bad_input, options.list, "line " + std::to_string(number),
                          "certify says itself how long it renders and what it writes; leave out "
                          "--frames, --time, --output and the like"};

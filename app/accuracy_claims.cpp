@@ -4,6 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/json_figures.h"
+
 namespace talbot {
 namespace {
 
@@ -35,7 +37,7 @@ ordered_json octave_json(uint64_t seed, const Milestone& m, double by_reference)
     ordered_json octaves = ordered_json::array();
     for (const Octave& o : e.octaves)
         octaves.push_back({o.samples, o.difference, o.standard_error, o.gain, o.active_share});
-    const auto known = [&](double x) { return e.valid ? ordered_json(x) : ordered_json(); };
+    const auto known = [&](double x) { return json_number_if(e.valid, x); };
     return {{"seed", seed},
             {"samples", e.samples},
             {"relrmse_percent", known(e.relrmse_percent)},

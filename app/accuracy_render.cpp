@@ -15,6 +15,7 @@ namespace talbot {
 namespace {
 
 constexpr std::size_t kReferenceParts = 4;
+constexpr std::size_t kSettingsDigits = 8;  // of their hash, in the names of cached films
 constexpr uint64_t kReferenceSeed = 0x7265666572656E63;  // "referenc"
 
 // Shares what the scene's renders have in common.
@@ -23,13 +24,6 @@ PreparedView view_of(const AccuracyScene& scene, const RenderSettings& settings,
     base.given = base.reduced = scene.setup.scene;
     base.scene = scene.render_scene;
     return prepare_view(scene.setup.scene, scene.setup.camera, settings, pool, &base);
-}
-
-// Tells settings apart in the names of files.
-std::string short_hash(const std::string& text) {
-    constexpr std::size_t kDigits = 8;
-    return sha256_hex({reinterpret_cast<const uint8_t*>(text.data()), text.size()})
-        .substr(0, kDigits);
 }
 
 }  // namespace
@@ -91,16 +85,17 @@ Result<Reference> render_reference(const AccuracyScene& scene, const RenderSetti
         const std::string words = sample_settings(*scene.setup.scene, scene.setup.camera, own);
         std::filesystem::path file;
         if (!cache.empty()) {
-            file =
-                std::filesystem::path(cache) /
-                (scene.name + "-" + std::to_string(own.width) + "x" + std::to_string(own.height) +
-                 "-" + short_hash(words) + "-" + std::to_string(i) + ".film");
+            file = std::filesystem::path(cache) / (scene.name + "-" + std::to_string(own.width) +
+                                                   "x" + std::to_string(own.height) + "-" +
+                                                   sha256_hex(words).substr(0, kSettingsDigits) +
+                                                   "-" + std::to_string(i) + ".film");
         }
-        // One that cannot be read is made anew.
-        if (Result<FilmFile> stored = file.empty() ? Result<FilmFile>(Error{}) : load_film(file)) {
-            const FilmMetadata& m = stored->metadata;
-            if (m.settings == words && m.scene_sha256 == scene.setup.identity &&
-                m.seed == own.seed && stored->film.min_samples() >= each) {
+        if (!file.empty()) {
+            Result<FilmFile> stored = load_film(file);
+            // One that cannot be read is made anew, as one of something else is.
+            if (stored && stored->metadata.settings == words &&
+                stored->metadata.scene_sha256 == scene.setup.identity &&
+                stored->metadata.seed == own.seed && stored->film.min_samples() >= each) {
                 films.push_back(std::move(stored->film));
                 continue;
             }

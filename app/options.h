@@ -74,6 +74,8 @@ struct Options {
         return frames || time_seconds || target_error_percent || !outputs.empty() ||
                !report.empty() || !film.empty() || !checkpoint.empty() || !resume.empty();
     }
+    // Whether they ask for more than a scene, its view and settings.
+    bool acts() const { return headless() || pixel || !screenshot.empty() || !interact.empty(); }
 };
 
 // The words behind the program's name; empty when help or the version was printed.

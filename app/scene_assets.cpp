@@ -14,7 +14,7 @@ void hash_assets(SceneSetup& setup) {
         all += setup.assets.back().sha256;
     }
     if (setup.assets.empty()) return;
-    setup.identity = sha256_hex({reinterpret_cast<const uint8_t*>(all.data()), all.size()});
+    setup.identity = sha256_hex(all);
 }
 
 }  // namespace talbot

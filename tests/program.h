@@ -1,10 +1,12 @@
 // Runs the program under test as a user does.
 #pragma once
 
+#include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -55,6 +57,14 @@ inline bool run_and_kill(const std::vector<std::string>& arguments, double secon
         waitpid(child, nullptr, 0);
     }
     return alive;
+}
+
+// One line, that names `part`, and this exit code.
+inline void expect_refused(const Outcome& outcome, int code, const std::string& part,
+                           const std::string& arguments) {
+    EXPECT_EQ(outcome.code, code) << arguments << "\n" << outcome.output;
+    EXPECT_NE(outcome.output.find(part), std::string::npos) << outcome.output;
+    EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
 }
 
 inline nlohmann::json read_json(const std::string& file) {

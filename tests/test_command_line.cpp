@@ -33,13 +33,8 @@ class CommandLine : public ::testing::Test {
         std::ofstream(folder_ / name) << text;
     }
 
-    // One line, that names `part`, and this exit code.
     static void expect_refusal(const std::string& arguments, int code, const std::string& part) {
-        const Outcome outcome = run(arguments);
-        EXPECT_EQ(outcome.code, code) << arguments << "\n" << outcome.output;
-        EXPECT_NE(outcome.output.find(part), std::string::npos) << outcome.output;
-        EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1)
-            << outcome.output;
+        program::expect_refused(run(arguments), code, part, arguments);
     }
 
     fs::path folder_;

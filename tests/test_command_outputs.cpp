@@ -31,11 +31,7 @@ class CommandOutputs : public ::testing::Test {
         return run(arguments, "-C '" + folder_.string() + "'");
     }
     void expect_refusal(const std::string& arguments, int code, const std::string& part) const {
-        const Outcome outcome = run_here(arguments);
-        EXPECT_EQ(outcome.code, code) << arguments << "\n" << outcome.output;
-        EXPECT_NE(outcome.output.find(part), std::string::npos) << outcome.output;
-        EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1)
-            << outcome.output;
+        program::expect_refused(run_here(arguments), code, part, arguments);
     }
 
     fs::path folder_;

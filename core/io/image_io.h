@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -51,5 +52,6 @@ Result<std::vector<uint8_t>> read_file(const std::filesystem::path& file,
 
 // SHA-256 in lower-case hex.
 std::string sha256_hex(std::span<const uint8_t> bytes);
+std::string sha256_hex(std::string_view text);
 
 }  // namespace talbot

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/geometry/exact_sign.h"
+#include "core/io/gltf/triangles.h"
 #include "core/math/robust.h"
 
 namespace talbot::gltf {
@@ -33,16 +34,11 @@ Vec3d widest_cross(const Mat3d& directions) {
 
 // Triangles that the flattening leaves no area.
 void drop_lines(Mesh& mesh) {
-    size_t out = 0;
-    for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-        const uint32_t* v = &mesh.indices[i];
-        const Vec3f& a = mesh.positions[v[0]];
-        const Vec3f& b = mesh.positions[v[1]];
-        const Vec3f& c = mesh.positions[v[2]];
-        if (is_finite(a) && is_finite(b) && is_finite(c) && exactly_collinear(a, b, c)) continue;
-        for (size_t k = 0; k < 3; ++k) mesh.indices[out++] = v[k];
-    }
-    mesh.indices.resize(out);
+    const std::vector<Vec3f>& p = mesh.positions;
+    keep_triangles(mesh.indices, [&](uint32_t a, uint32_t b, uint32_t c) {
+        const bool finite = is_finite(p[a]) && is_finite(p[b]) && is_finite(p[c]);
+        return !finite || !exactly_collinear(p[a], p[b], p[c]);
+    });
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "core/io/gltf/attributes.h"
 #include "core/io/gltf/deform.h"
 #include "core/io/gltf/tangents.h"
+#include "core/io/gltf/triangles.h"
 #include "core/io/gltf/values.h"
 #include "core/math/robust.h"
 
@@ -151,25 +152,11 @@ class PrimitiveLoader {
         }
     }
 
-    template <typename Keep>
-    size_t keep_triangles(const Keep& keep) {
-        size_t out = 0;
-        std::vector<uint32_t>& indices = mesh_.indices;
-        for (size_t i = 0; i < indices.size(); i += 3) {
-            if (!keep(indices[i], indices[i + 1], indices[i + 2])) continue;
-            std::copy_n(indices.begin() + static_cast<ptrdiff_t>(i), 3,
-                        indices.begin() + static_cast<ptrdiff_t>(out));
-            out += 3;
-        }
-        const size_t dropped = (indices.size() - out) / 3;
-        indices.resize(out);
-        return dropped;
-    }
-
     // Strips are joined by triangles that name a vertex twice.
     void drop_collapsed() {
-        collapsed_ = keep_triangles(
-            [](uint32_t a, uint32_t b, uint32_t c) { return a != b && b != c && c != a; });
+        collapsed_ = keep_triangles(mesh_.indices, [](uint32_t a, uint32_t b, uint32_t c) {
+            return a != b && b != c && c != a;
+        });
         if (mesh_.indices.empty()) warn_of_no_area();
     }
 
@@ -224,9 +211,10 @@ class PrimitiveLoader {
             return is_finite(mesh_.positions[v]) &&
                    max_component(glm::abs(mesh_.positions[v])) < kMaxWorldCoordinate;
         };
-        const size_t dropped = keep_triangles([&](uint32_t a, uint32_t b, uint32_t c) {
-            return usable(a) && usable(b) && usable(c);
-        });
+        const size_t dropped =
+            keep_triangles(mesh_.indices, [&](uint32_t a, uint32_t b, uint32_t c) {
+                return usable(a) && usable(b) && usable(c);
+            });
         if (dropped > 0)
             warn("positions that are not finite or out of range (" + world_range() +
                  "): " + std::to_string(dropped) + " triangles are not drawn");
