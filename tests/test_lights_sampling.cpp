@@ -79,7 +79,7 @@ TriangleCounts count_triangle(const TriangleCase& t, uint64_t seed) {
     const Vec3d e2(light.e2);
     const double normal2 = dot(cross(e1, e2), cross(e1, e2));
     TriangleCounts r;
-    r.omega = solid_angle({a, a + e1, a + e2});
+    r.omega = solid_angle(TriangleView{a, a + e1, a + e2});
     const bool by_area = light.area <= kSolidAngleSampling * static_cast<float>(dot(a, a)) * 0.5f;
     for (int i = 0; i < kSide; ++i) {
         for (int j = 0; j < 2 * (kSide - i) - 1; ++j) {
@@ -110,7 +110,7 @@ TriangleCounts count_triangle(const TriangleCase& t, uint64_t seed) {
         const int before = i * (2 * kSide - i);
         ++r.observed[static_cast<std::size_t>(before + 2 * j + (far_half ? 1 : 0))];
         r.inverse_pdf.add(1 / static_cast<double>(s->pdf));
-        const float fresh = pdf_triangle_light(light, p, Vec3f(a + on + Vec3d(p)));
+        const float fresh = pdf_flat_light(light, p, Vec3f(a + on + Vec3d(p)));
         r.worst_pdf = std::max(r.worst_pdf, std::abs(static_cast<double>(fresh / s->pdf) - 1));
     }
     return r;
@@ -204,7 +204,8 @@ TEST(LightSampling, ASlenderLampIsSampledWhereItIsNear) {
         const Vec2f u((static_cast<float>(i % kSide) + 0.5f) / kSide,
                       (static_cast<float>(i / kSide) + 0.5f) / kSide);
         for (const Light& light : table.lights()) {
-            if (const auto s = sample_triangle_light(*scene, light, p, u))
+            ASSERT_EQ(light.kind, LightKind::quad);
+            if (const auto s = sample_quad_light(*scene, light, p, u))
                 sum += std::max(0.0f, -s->wi.z) / s->pdf / (kSide * kSide);
         }
     }
@@ -339,14 +340,14 @@ TEST(LightSampling, TheChoiceFollowsItsProbability) {
             }
             std::size_t index = table.lights().size();
             for (std::size_t i = 0; !s->infinite && i < table.lights().size(); ++i) {
-                if (table.lights()[i].id == s->id) index = i;
+                if (table.lights()[i].id.instance == s->id.instance) index = i;
             }
             ++observed[index];
             if (index == table.lights().size()) continue;
             const Light& light = table.lights()[index];
             const Vec3f on = light.p0 + (light.e1 + light.e2) * (1.0f / 3);
             expected[index] = kDraws * double{table.pdf_surface(p, n, light.id, on)} /
-                              pdf_triangle_light(light, p, on);
+                              pdf_flat_light(light, p, on);
         }
         expected.back() = kDraws - lost;
         for (std::size_t i = 0; i + 1 < expected.size(); ++i) expected.back() -= expected[i];

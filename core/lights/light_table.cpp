@@ -53,9 +53,13 @@ LightBounds bounds_of(const Scene& scene, const Light& light, double power) {
     b.power = static_cast<float>(power);
     b.lower = b.upper = light.p0;
     switch (light.kind) {
+        case LightKind::quad:
+            b.lower = glm::min(b.lower, light.p0 + light.e1 + light.e2);
+            b.upper = glm::max(b.upper, light.p0 + light.e1 + light.e2);
+            [[fallthrough]];
         case LightKind::triangle:
-            b.lower = glm::min(light.p0, glm::min(light.p0 + light.e1, light.p0 + light.e2));
-            b.upper = glm::max(light.p0, glm::max(light.p0 + light.e1, light.p0 + light.e2));
+            b.lower = glm::min(b.lower, glm::min(light.p0 + light.e1, light.p0 + light.e2));
+            b.upper = glm::max(b.upper, glm::max(light.p0 + light.e1, light.p0 + light.e2));
             b.axis = light.n;
             b.two_sided = light.two_sided;
             break;
@@ -170,19 +174,24 @@ void LightTable::add_surface_lights(const Scene& scene) {
         if (!emission[index]) emission[index].emplace(material, scene.textures());
         return emission[index]->mean() > 0 ? &*emission[index] : nullptr;
     };
-    first_light_of_instance_.assign(geometry.instances.size(), kNoId);
+    first_triangle_of_instance_.assign(geometry.instances.size(), kNoId);
     for (uint32_t i = 0; i < geometry.instances.size(); ++i) {
         const SceneInstance& instance = geometry.instances[i];
         const EmissionMap* const map = emission_of(instance.material);
         if (!map) continue;
         const TextureSlot& slot = scene.materials()[instance.material].emissive_texture;
         const Mesh& mesh = geometry.meshes[instance.mesh];
-        first_light_of_instance_[i] = static_cast<uint32_t>(lights_.size());
+        first_triangle_of_instance_[i] = static_cast<uint32_t>(light_of_triangle_.size());
         const uint64_t triangles = mesh.triangle_count();
         for (uint32_t t = 0; t < triangles; ++t) {
-            Light light = make_triangle_light(scene, {i, t});
-            light.power = std::numbers::pi * light.area * triangle_emission(*map, slot, mesh, t) *
-                          (light.two_sided ? 2 : 1);
+            const std::optional<Light> quad =
+                t + 1 < triangles ? make_quad_light(scene, {i, t}) : std::nullopt;
+            Light light = quad ? *quad : make_triangle_light(scene, {i, t});
+            double mean = triangle_emission(*map, slot, mesh, t);
+            if (quad) mean = 0.5 * (mean + triangle_emission(*map, slot, mesh, ++t));
+            light.power = std::numbers::pi * light.area * mean * (light.two_sided ? 2 : 1);
+            light_of_triangle_.insert(light_of_triangle_.end(), quad ? 2 : 1,
+                                      static_cast<uint32_t>(lights_.size()));
             lights_.push_back(light);
         }
     }
@@ -224,8 +233,8 @@ void LightTable::add_punctual_lights(const Scene& scene) {
 std::optional<LightSample> LightTable::sample(const Scene& scene, const Vec3f& p, const Vec3f& n,
                                               float u_choice, const Vec2f& u_light) const {
     // Without a tree the first number of the point picks, too: a stretched part of a
-    // low-discrepancy sequence is one, so that each of a few lights, say the two triangles of a
-    // quad, is sampled as evenly as one alone. The bits that stretching moves up are filled with
+    // low-discrepancy sequence is one, so that each of a few lights is sampled as evenly as one
+    // alone. The bits that stretching moves up are filled with
     // those of u_choice.
     Vec2f u = u_light;
     const bool joint = tree_.is_empty();
@@ -282,6 +291,7 @@ std::optional<LightSample> LightTable::sample_light(const Scene& scene, const Li
                                                     const Vec3f& p, const Vec2f& u) const {
     if (kCompiledEffects.has(Effect::emissive_meshes)) {
         if (light.kind == LightKind::triangle) return sample_triangle_light(scene, light, p, u);
+        if (light.kind == LightKind::quad) return sample_quad_light(scene, light, p, u);
         if (kCompiledEffects.has(Effect::analytic_spheres) && light.kind == LightKind::sphere)
             return sample_sphere_light(scene, light, p, u);
     }
@@ -300,8 +310,8 @@ std::optional<LightSample> LightTable::sample_light(const Scene& scene, const Li
 
 uint32_t LightTable::light_of(PrimitiveId id) const {
     if (id.instance == kSphereInstance) return light_of_sphere_[id.primitive];
-    const uint32_t first = first_light_of_instance_[id.instance];
-    return first == kNoId ? kNoId : first + id.primitive;
+    const uint32_t first = first_triangle_of_instance_[id.instance];
+    return first == kNoId ? kNoId : light_of_triangle_[first + id.primitive];
 }
 
 float LightTable::pdf_surface(const Vec3f& p, const Vec3f& n, PrimitiveId id,
@@ -317,9 +327,8 @@ float LightTable::pdf_surface(const Vec3f& p, const Vec3f& n, PrimitiveId id,
     } else if (lights_.size() > 1) {
         probability *= choice_.probability(index);
     }
-    return probability * (light.kind == LightKind::triangle
-                              ? pdf_triangle_light(light, p, hit_point)
-                              : pdf_sphere_light(light, p));
+    return probability * (light.kind == LightKind::sphere ? pdf_sphere_light(light, p)
+                                                          : pdf_flat_light(light, p, hit_point));
 }
 
 float LightTable::pdf_environment(const Vec3f& d) const {

@@ -20,20 +20,23 @@
 
 namespace talbot {
 
-// Fewer lights are chosen by power alone: a quad's two triangles would not repay the descent.
+// Fewer lights are chosen by power alone: they would not repay the descent.
 inline constexpr std::ptrdiff_t kTreeLights = 3;
 
-enum class LightKind : uint8_t { triangle, sphere, point, spot, directional };
+enum class LightKind : uint8_t { triangle, quad, sphere, point, spot, directional };
 
 struct Light {
     LightKind kind = LightKind::triangle;
     bool two_sided = false;
+    uint8_t first_corner[2] = {0,
+                               0};  // of the triangle, and of a quad's other half: see light_from
     uint32_t material = 0;
-    PrimitiveId id{};       // of emissive surfaces
+    PrimitiveId id{};       // of emissive surfaces; a quad is this triangle and the next one
     uint32_t punctual = 0;  // index of a punctual light
-    Vec3f p0{0}, e1{0},
-        e2{0};             // triangle: corner and edges; punctual: position in p0, direction in e1
-    Vec3f n{0};            // triangle: front side
+    // Triangle and quad (a parallelogram): corner and edges; punctual: position in p0, direction in
+    // e1.
+    Vec3f p0{0}, e1{0}, e2{0};
+    Vec3f n{0};            // triangle and quad: front side
     uint32_t sun = kNoId;  // directional: its disc among suns()
     float area = 0;
     Rgb radiance{0};   // factor x strength, before textures; intensity of punctual lights
@@ -96,7 +99,8 @@ class LightTable {
     float tree_probability_ = 0;  // of the tree, unless the environment is chosen
     EnvironmentLight environment_;
     float environment_probability_ = 0;
-    std::vector<uint32_t> first_light_of_instance_;  // kNoId where nothing is emitted
+    std::vector<uint32_t> first_triangle_of_instance_;  // kNoId where nothing is emitted
+    std::vector<uint32_t> light_of_triangle_;           // of the instances that emit
     std::vector<uint32_t> light_of_sphere_;
     std::vector<SunDisc> suns_;
 };

@@ -1,6 +1,7 @@
 #include "core/lights/surface_light.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -18,8 +19,11 @@ TriangleView view_from(const Light& light, const Vec3f& p) {
     view.c = view.a + Vec3d(light.e2);
     return view;
 }
+ParallelogramView quad_from(const Light& light, const Vec3f& p) {
+    return {Vec3d(light.p0) - Vec3d(p), Vec3d(light.e1), Vec3d(light.e2)};
+}
 
-// Square of a point's distance to a place on a triangle over its longest edge's, below which that
+// Square of a point's distance to a place on a light over its longest edge's, below which that
 // place, rounded to float, says less about the direction than the direction that was drawn.
 constexpr float kTouching = 0x1p-20f;
 
@@ -28,19 +32,43 @@ float longest_edge2(const Light& light) {
     return std::max({dot(light.e1, light.e1), dot(light.e2, light.e2), dot(e3, e3)});
 }
 
-// A cheap guess whether cosine and distance vary over the triangle, the same on the sampling and
-// the density side: its solid angle, and for slender ones whether they reach far round the point.
+// A cheap guess whether cosine and distance vary over the light, the same on the sampling and the
+// density side: its solid angle, and for slender ones whether they reach far round the point.
 bool looks_large(const Light& light, const Vec3f& p) {
-    const Vec3f center = light.p0 + (light.e1 + light.e2) * (1.0f / 3);
+    const bool quad = light.kind == LightKind::quad;
+    const Vec3f center = light.p0 + (light.e1 + light.e2) * (quad ? 0.5f : 1.0f / 3);
     const Vec3f to = center - p;
     const float distance2 = dot(to, to);
-    return light.area > kSolidAngleSampling * distance2 || longest_edge2(light) > distance2;
+    const float half = quad ? 0.5f * light.area : light.area;
+    return half > kSolidAngleSampling * distance2 || longest_edge2(light) > distance2;
 }
 
-Vec2f uv_at(const Mesh& mesh, uint32_t triangle, int set, float b1, float b2) {
+// Barycentric weights of b and c where a direction meets the triangle: ratios of the three
+// sub-volumes.
+std::optional<Vec2f> place_of(const TriangleView& view, const Vec3d& direction) {
+    const double v0 = dot(direction, cross(view.b, view.c));
+    const double v1 = dot(direction, cross(view.c, view.a));
+    const double v2 = dot(direction, cross(view.a, view.b));
+    const double sum = v0 + v1 + v2;
+    if (sum == 0) return std::nullopt;
+    const float b1 = clamp01(static_cast<float>(v1 / sum));
+    return Vec2f(b1, std::min(clamp01(static_cast<float>(v2 / sum)), 1 - b1));
+}
+
+// Where a flat light was sampled.
+struct FlatSample {
+    Vec2f at{0};        // along its edges
+    uint32_t half = 0;  // of a quad: 1 is the next triangle
+    Vec3d drawn{0};     // by solid angle: the direction,
+    float pdf = 0;      // and its density; else 0
+};
+
+// With a weight for each corner of the triangle.
+Vec2f uv_at(const Mesh& mesh, uint32_t triangle, int set, const Vec3f& weight) {
     if (mesh.uv[set].empty()) return Vec2f(0);
     const uint32_t* i = &mesh.indices[std::size_t{3} * triangle];
-    return (1 - b1 - b2) * mesh.uv[set][i[0]] + b1 * mesh.uv[set][i[1]] + b2 * mesh.uv[set][i[2]];
+    return weight[0] * mesh.uv[set][i[0]] + weight[1] * mesh.uv[set][i[1]] +
+           weight[2] * mesh.uv[set][i[2]];
 }
 
 // Half-angle terms of the cone that a sphere fills from p: 1 - cos and cos, without cancellation.
@@ -78,19 +106,77 @@ double one_minus_cos(double angle) {
     return 2 * s * s;
 }
 
-}  // namespace
+// Whether the light sends anything to p.
+bool faces(const Light& light, const Vec3f& p) {
+    const float height = dot(p - light.p0, light.n);
+    return light.area > 0 && (height > 0 || (height < 0 && light.two_sided));
+}
 
-Light make_triangle_light(const Scene& scene, PrimitiveId id) {
-    const SceneInstance& instance = scene.geometry().instances[id.instance];
-    const Mesh& mesh = scene.geometry().meshes[instance.mesh];
-    const Material& material = scene.materials()[instance.material];
-    Vec3d corner[3];
-    for (std::size_t k = 0; k < 3; ++k) {
-        const Vec3d p(mesh.positions[mesh.indices[std::size_t{3} * id.primitive + k]]);
-        corner[k] = instance.identity ? p : Vec3d(instance.world_from_object * Vec4d(p, 1.0));
+// Weights of the corners of the triangle that holds the place. A triangle's edges, and a quad's
+// first half's, run from first_corner[0] to the next corner and the one after; the other half
+// starts across from there and runs back.
+Vec3f corner_weights(const Light& light, const FlatSample& place) {
+    const float x = place.at.x, y = place.at.y;
+    const int first = light.first_corner[place.half];
+    Vec3f weight;
+    weight[first] = place.half == 0 ? 1 - x - y : x + y - 1;
+    weight[(first + 1) % 3] = place.half == 0 ? x : 1 - x;
+    weight[(first + 2) % 3] = place.half == 0 ? y : 1 - y;
+    return weight;
+}
+
+// What arrives at p from there.
+std::optional<LightSample> light_from(const Scene& scene, const Light& light, const Vec3f& p,
+                                      const FlatSample& place) {
+    const Vec3f along1 = place.at.x * light.e1, along2 = place.at.y * light.e2;
+    const Vec3f on = light.p0 + along1 + along2;
+    LightSample sample;
+    sample.wi = safe_normalize(on - p, -light.n);
+    sample.pdf = place.pdf > 0 ? place.pdf : pdf_flat_light(light, p, on);
+    if (place.pdf > 0 && dot(on - p, on - p) < kTouching * longest_edge2(light))
+        sample.wi = Vec3f(place.drawn);
+    if (!(sample.pdf > 0)) return std::nullopt;
+    const Vec3f error = gamma_bound(6) * (glm::abs(light.p0) + glm::abs(along1) + glm::abs(along2));
+    sample.target = offset_ray_origin(on, error, light.n, p - on);
+    sample.id = {light.id.instance, light.id.primitive + place.half};
+    const Material& material = scene.materials()[light.material];
+    sample.radiance = light.radiance;
+    if (material.emissive_texture.used() || material.clearcoat_factor > 0) {
+        const Mesh& mesh =
+            scene.geometry().meshes[scene.geometry().instances[light.id.instance].mesh];
+        const Vec3f weight = corner_weights(light, place);
+        sample.radiance =
+            emitted_radiance(scene, material, uv_at(mesh, sample.id.primitive, 0, weight),
+                             uv_at(mesh, sample.id.primitive, 1, weight),
+                             dot(p - light.p0, light.n) > 0, std::abs(dot(sample.wi, light.n)));
     }
+    return sample;
+}
+
+// Corners of a triangle of a mesh, as they stand in the scene.
+struct Corners {
+    std::array<Vec3f, 3> given;
+    std::array<Vec3d, 3> placed;
+};
+
+Corners corners_of(const SceneInstance& instance, const Mesh& mesh, uint32_t triangle) {
+    Corners corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+        corners.given[k] = mesh.positions[mesh.indices[std::size_t{3} * triangle + k]];
+        const Vec3d p(corners.given[k]);
+        corners.placed[k] =
+            instance.identity ? p : Vec3d(instance.world_from_object * Vec4d(p, 1.0));
+    }
+    return corners;
+}
+
+// From corner 0 of these.
+Light flat_light(const Scene& scene, LightKind kind, PrimitiveId id,
+                 const std::array<Vec3d, 3>& corner) {
+    const SceneInstance& instance = scene.geometry().instances[id.instance];
+    const Material& material = scene.materials()[instance.material];
     Light light;
-    light.kind = LightKind::triangle;
+    light.kind = kind;
     light.id = id;
     light.material = instance.material;
     light.two_sided = material.double_sided;
@@ -98,11 +184,49 @@ Light make_triangle_light(const Scene& scene, PrimitiveId id) {
     light.e1 = Vec3f(corner[1] - corner[0]);
     light.e2 = Vec3f(corner[2] - corner[0]);
     const Vec3d normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
-    const double twice_area = length(normal);
-    light.area = static_cast<float>(0.5 * twice_area);
-    if (twice_area > 0) light.n = Vec3f(normal / twice_area) * (instance.mirrored ? -1.0f : 1.0f);
+    const double area = length(normal);
+    light.area = static_cast<float>(kind == LightKind::quad ? area : 0.5 * area);
+    if (area > 0) light.n = Vec3f(normal / area) * (instance.mirrored ? -1.0f : 1.0f);
     light.radiance = material.emissive_factor * material.emissive_strength;
     return light;
+}
+
+}  // namespace
+
+Light make_triangle_light(const Scene& scene, PrimitiveId id) {
+    const SceneInstance& instance = scene.geometry().instances[id.instance];
+    const Mesh& mesh = scene.geometry().meshes[instance.mesh];
+    return flat_light(scene, LightKind::triangle, id,
+                      corners_of(instance, mesh, id.primitive).placed);
+}
+
+std::optional<Light> make_quad_light(const Scene& scene, PrimitiveId first) {
+    const SceneInstance& instance = scene.geometry().instances[first.instance];
+    const Mesh& mesh = scene.geometry().meshes[instance.mesh];
+    const Corners one = corners_of(instance, mesh, first.primitive);
+    const Corners two = corners_of(instance, mesh, first.primitive + 1);
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            // The edge across from corner i of one is that across from k of the other, run back.
+            const std::size_t i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+            const std::size_t k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+            if (one.given[i1] != two.given[k2] || one.given[i2] != two.given[k1]) continue;
+            const Vec3d& p = one.placed[i];
+            const Vec3d across = one.placed[i1] + (one.placed[i2] - p);
+            const Vec3d size =
+                glm::max(glm::max(glm::abs(p), glm::abs(one.placed[i1])),
+                         glm::max(glm::abs(one.placed[i2]), glm::abs(two.placed[k])));
+            const Vec3d off = glm::abs(across - two.placed[k]);
+            const Vec3d room = static_cast<double>(gamma_bound(2)) * size;
+            if (off.x > room.x || off.y > room.y || off.z > room.z) continue;
+            Light quad =
+                flat_light(scene, LightKind::quad, first, {p, one.placed[i1], one.placed[i2]});
+            quad.first_corner[0] = static_cast<uint8_t>(i);
+            quad.first_corner[1] = static_cast<uint8_t>(k);
+            if (quad.area > 0) return quad;
+        }
+    }
+    return std::nullopt;
 }
 
 Light make_sphere_light(const Scene& scene, uint32_t sphere) {
@@ -124,60 +248,53 @@ Light make_sphere_light(const Scene& scene, uint32_t sphere) {
 
 std::optional<LightSample> sample_triangle_light(const Scene& scene, const Light& light,
                                                  const Vec3f& p, const Vec2f& u) {
-    const float height = dot(p - light.p0, light.n);
-    const bool front = height > 0;
-    if (height == 0 || !(light.area > 0) || (!front && !light.two_sided)) return std::nullopt;
-    float b1 = 0;
-    float b2 = 0;
-    float pdf = 0;
-    Vec3d drawn(0);
+    if (!faces(light, p)) return std::nullopt;
+    FlatSample place;
     if (looks_large(light, p)) {
         const TriangleView view = view_from(light, p);
         const double omega = solid_angle(view);
         if (!(omega > 0)) return std::nullopt;
-        drawn = sample_solid_angle(view, omega, u);
-        // Barycentric weights of the direction: ratios of the three sub-volumes.
-        const double v0 = dot(drawn, cross(view.b, view.c));
-        const double v1 = dot(drawn, cross(view.c, view.a));
-        const double v2 = dot(drawn, cross(view.a, view.b));
-        const double sum = v0 + v1 + v2;
-        if (sum == 0) return std::nullopt;
-        b1 = clamp01(static_cast<float>(v1 / sum));
-        b2 = std::min(clamp01(static_cast<float>(v2 / sum)), 1 - b1);
-        pdf = static_cast<float>(1 / omega);
+        place.drawn = sample_solid_angle(view, omega, Vec2d(u));
+        const std::optional<Vec2f> at = place_of(view, place.drawn);
+        if (!at) return std::nullopt;
+        place.at = *at;
+        place.pdf = static_cast<float>(1 / omega);
     } else {
         // The square-root map (Turk 1990).
         const float root = std::sqrt(u.x);
-        b1 = root * (1 - u.y);
-        b2 = root * u.y;
+        place.at = Vec2f(root * (1 - u.y), root * u.y);
     }
-    const Vec3f on = light.p0 + b1 * light.e1 + b2 * light.e2;
-    LightSample sample;
-    sample.wi = safe_normalize(on - p, -light.n);
-    if (pdf > 0 && dot(on - p, on - p) < kTouching * longest_edge2(light)) sample.wi = Vec3f(drawn);
-    if (pdf == 0) pdf = pdf_triangle_light(light, p, on);
-    if (!(pdf > 0)) return std::nullopt;
-    sample.pdf = pdf;
-    const Vec3f error =
-        gamma_bound(6) * (glm::abs(light.p0) + glm::abs(b1 * light.e1) + glm::abs(b2 * light.e2));
-    sample.target = offset_ray_origin(on, error, light.n, p - on);
-    sample.id = light.id;
-    const Material& material = scene.materials()[light.material];
-    sample.radiance = light.radiance;
-    if (material.emissive_texture.used() || material.clearcoat_factor > 0) {
-        const Mesh& mesh =
-            scene.geometry().meshes[scene.geometry().instances[light.id.instance].mesh];
-        sample.radiance = emitted_radiance(
-            scene, material, uv_at(mesh, light.id.primitive, 0, b1, b2),
-            uv_at(mesh, light.id.primitive, 1, b1, b2), front, std::abs(dot(sample.wi, light.n)));
-    }
-    return sample;
+    return light_from(scene, light, p, place);
 }
 
-float pdf_triangle_light(const Light& light, const Vec3f& p, const Vec3f& hit_point) {
+std::optional<LightSample> sample_quad_light(const Scene& scene, const Light& light, const Vec3f& p,
+                                             const Vec2f& u) {
+    if (!faces(light, p)) return std::nullopt;
+    FlatSample place;
+    if (looks_large(light, p)) {
+        const ParallelogramSample sample = sample_solid_angle(quad_from(light, p), u);
+        if (!(sample.omega > 0)) return std::nullopt;
+        place.drawn = sample.direction;
+        place.pdf = static_cast<float>(1 / sample.omega);
+        place.half = sample.second ? 1 : 0;
+        TriangleView view = view_from(light, p);
+        if (sample.second) view = {view.c, view.b, view.b + Vec3d(light.e2)};
+        const std::optional<Vec2f> at = place_of(view, place.drawn);
+        if (!at) return std::nullopt;
+        // The other half starts at the far end of e2, b is that of e1, c the corner across.
+        place.at = sample.second ? Vec2f(at->x + at->y, 1 - at->x) : *at;
+    } else {
+        place.at = u;
+        place.half = u.x + u.y > 1 ? 1 : 0;
+    }
+    return light_from(scene, light, p, place);
+}
+
+float pdf_flat_light(const Light& light, const Vec3f& p, const Vec3f& hit_point) {
     if (!(light.area > 0)) return 0;
     if (looks_large(light, p)) {
-        const double omega = solid_angle(view_from(light, p));
+        const double omega = light.kind == LightKind::quad ? solid_angle(quad_from(light, p))
+                                                           : solid_angle(view_from(light, p));
         return omega > 0 ? static_cast<float>(1 / omega) : 0.0f;
     }
     const Vec3d to = Vec3d(hit_point) - Vec3d(p);

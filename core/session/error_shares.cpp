@@ -28,7 +28,8 @@ class Slots {
         std::map<uint32_t, double> power;
         const LightTable& lights = scene.lights();
         for (const Light& light : lights.lights()) {
-            if (light.kind == LightKind::triangle || light.kind == LightKind::sphere)
+            if (light.kind == LightKind::triangle || light.kind == LightKind::quad ||
+                light.kind == LightKind::sphere)
                 power[scene.scene().object_of(light.id)] += light.power;
         }
         std::vector<std::pair<double, uint32_t>> order;

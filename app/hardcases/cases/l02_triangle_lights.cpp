@@ -213,7 +213,8 @@ CaseResult run(Effort effort) {
             // By solid angle where it looks large.
             const Vec3d middle = view.a + (Vec3d(Vec3f(s.e1)) + Vec3d(Vec3f(s.e2))) / 3.0;
             if (omega < 1e-4L || !(double{light.area} > 0.1 * glm::dot(middle, middle))) continue;
-            const glm::vec<2, Real> back = inverse(view, omega, sample_solid_angle(view, own, u));
+            const glm::vec<2, Real> back =
+                inverse(view, omega, sample_solid_angle(view, own, Vec2d(u)));
             if (is_wide(view)) {
                 even.add(back);
                 naive_even.add(inverse(view, omega, unit_towards(view, u)));
@@ -249,7 +250,7 @@ CaseResult run(Effort effort) {
         const TriangleView view{Vec3d(l.p0) - Vec3d(p), Vec3d(l.p0 + l.e1) - Vec3d(p),
                                 Vec3d(l.p0 + l.e2) - Vec3d(p)};
         if (!is_finite(girard(view))) ++naive_bad;
-        const float on = pdf_triangle_light(l, p, l.p0 + 0.3f * (l.e1 + l.e2));
+        const float on = pdf_flat_light(l, p, l.p0 + 0.3f * (l.e1 + l.e2));
         if (!is_finite(on)) ++bad;
     }
     CaseResult result;
