@@ -240,5 +240,24 @@ TEST(QuadLights, GiveTheirIrradiance) {
     EXPECT_LT(estimate.standard_error() / expected, 2e-3);
 }
 
+// Hits are rounded to either side of a slanted surface.
+TEST(FlatLights, DoNotLightThemselves) {
+    Material material = lamp(true);
+    material.base_color_factor = Vec4f(0.5f, 0.5f, 0.5f, 1);
+    const Vec3f corner(-3, -2, -7), along(6.1f, 0.3f, -1.7f), up(-0.2f, 4.3f, 0.9f);
+    const Mesh kite = mesh_of({corner, corner + along, corner + up, corner + 0.9f * (along + up)},
+                              {0, 1, 3, 0, 3, 2});
+    for (const Mesh& mesh : {SceneBuilder::quad(corner, along, up), kite}) {
+        SceneBuilder builder;
+        builder.mesh(mesh, builder.material(material));
+        PathSettings settings;
+        settings.max_depth = 1;
+        const Film film =
+            render_film(builder.build(workers()), camera_at(Vec3d(0), Vec3d(0, 0, -7), 0.2),
+                        settings, 64, 64, 16, workers());
+        for (const FilmPixel& pixel : film.pixels()) EXPECT_EQ(pixel.sum[1].value(), 16);
+    }
+}
+
 }  // namespace
 }  // namespace talbot

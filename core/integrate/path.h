@@ -125,6 +125,9 @@ void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bo
     show_value(recorder, PathValue::light, light->radiance);
     show_value(recorder, PathValue::light_pdf, light->pdf);
     if (is_black(light->radiance)) return;
+    // Rounding can leave a point just behind its own surface, which a two-sided light then covers
+    // wholly.
+    if (light->id == si.id) return;
     BsdfEval f = bsdf.eval(light->wi);
     show_value(recorder, PathValue::bsdf_value, f.f_cos);
     show_value(recorder, PathValue::bsdf_pdf, f.pdf);
