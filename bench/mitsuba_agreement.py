@@ -7,8 +7,9 @@ seeds of each program give the means of 8x8 blocks and their noise. A scene agre
 than 1 % (sum over the channels of the differences over the sum of the values), or by no more than noise explains (z below 4.5),
 and the mean by less than 0.3 %.
 Usage: mitsuba_agreement.py TALBOT [SCENE.gltf[:VARIANT]...] [--scenes DIR] [--studio] [--environment FILE] [--native] [--size N]
-[--spp N] [--seeds N] [--events N] [--variant NAME] [--images DIR] [--json FILE] [--quick]. --studio adds scenes of its own, one a
-material; --environment lights the last scene of all once more. Exit code 0: all agree; 1: one does not; 77: Mitsuba is not
+[--spp N] [--seeds N] [--noise PCT] [--most N] [--events N] [--variant NAME] [--images DIR] [--json FILE] [--quick]. --studio adds
+scenes of its own, one a material; --environment lights the last scene of all once more; --noise renders more seeds, up to --most,
+until the differences of 95 % of the blocks are known to that (one standard error). Exit code 0: all agree; 1: one does not; 77: Mitsuba is not
 installed (pip install mitsuba), nothing was compared.
 """
 import copy
@@ -35,6 +36,7 @@ Z_LIMIT = 4.5
 RELATIVE_LIMIT = 0.01
 SHARE_LIMIT = 0.95
 MEAN_LIMIT = 0.003
+ENOUGH_SEEDS = 8  # from here on a block's own variance is known well enough
 
 
 def plain(material):
@@ -139,33 +141,46 @@ def compare(args, file, folder, oracle, environment):
     scene = mitsuba_scene(gltf, width, height, args.events, oracle, environment, "multijitter")
     command = [args.talbot, file, "--frames", str(args.spp), "--size", f"{width}x{height}", "--max-depth", str(args.events), "--quiet"]
     command += ["--environment", environment] if environment else []
-    images = {"theirs": [], "ours": []}
-    for seed in range(args.seeds):
-        images["theirs"].append(np.array(mi.render(scene, spp=args.spp, seed=seed), np.float64))
+    ours, theirs = [], []
+    while True:
+        seed = len(ours)
+        theirs.append(np.array(mi.render(scene, spp=args.spp, seed=seed), np.float64))
         out = folder / "image.pfm"
         subprocess.run(command + ["--seed", str(seed), "--output", out], check=True)
-        images["ours"].append(read_pfm(out))
+        ours.append(read_pfm(out))
+        if len(ours) < args.seeds:
+            continue
+        result = judge(ours, theirs)
+        if args.noise is None or result["noise_percent_95"] <= args.noise or len(ours) >= args.most:
+            break
     if args.images:
-        write_images(args.images, file.stem + ("-environment" if environment else ""), *(np.mean(images[n], 0) for n in ("ours", "theirs")))
-    theirs, ours = (np.array([blocks(image) for image in images[name]]) for name in ("theirs", "ours"))
+        write_images(args.images, file.stem + ("-environment" if environment else ""), np.mean(ours, 0), np.mean(theirs, 0))
+    return {"size": [width, height], "spp": args.spp, **result}
+
+
+def judge(ours, theirs):
+    """Agreement of some seeds' images of both programs."""
+    seeds = len(ours)
+    theirs, ours = (np.array([blocks(image) for image in images]) for images in (theirs, ours))
     brightness, difference = theirs.mean(0).mean(-1), ours.mean(0) - theirs.mean(0)
     # Few seeds give a poor variance per block, so it is pooled over blocks of like brightness: var = c mean^2 + d mean.
-    variance = (ours.mean(-1).var(0, ddof=1) + theirs.mean(-1).var(0, ddof=1)) / args.seeds
+    variance = (ours.mean(-1).var(0, ddof=1) + theirs.mean(-1).var(0, ddof=1)) / seeds
     design = np.stack([brightness.ravel() ** 2, brightness.ravel()], 1)
     fit, *_ = np.linalg.lstsq(design, variance.ravel(), rcond=None)
-    pooled = np.maximum(np.maximum(design @ fit, 0).reshape(variance.shape), variance)
+    pooled = variance if seeds >= ENOUGH_SEEDS else np.maximum(np.maximum(design @ fit, 0).reshape(variance.shape), variance)
     lit = brightness > 1e-3 * brightness.max()
     relative = np.abs(difference).mean(-1)[lit] / brightness[lit]
     z = difference.mean(-1)[lit] / np.sqrt(np.maximum(pooled[lit], 1e-30))
     noise = np.sqrt(pooled[lit]) / brightness[lit]
     ratio = float(ours.mean() / theirs.mean())
-    ratio_noise = float(np.sqrt(sum(a.mean((1, 2, 3)).var(ddof=1) / args.seeds for a in (ours, theirs))) / theirs.mean())
+    ratio_noise = float(np.sqrt(sum(a.mean((1, 2, 3)).var(ddof=1) / seeds for a in (ours, theirs))) / theirs.mean())
     explained = float(((relative < RELATIVE_LIMIT) | (np.abs(z) < Z_LIMIT)).mean())
     far = np.where(lit, np.abs(difference).mean(-1) / np.maximum(brightness, 1e-30), 0)
     worst = sorted(((float(far[y, x]), x, y) for y, x in np.argwhere(far > RELATIVE_LIMIT).tolist()), reverse=True)[:12]
-    return {"size": [width, height], "spp": args.spp, "seeds": args.seeds, "blocks": int(z.size),
+    return {"seeds": seeds, "blocks": int(z.size),
             "within_1_percent": float((relative < RELATIVE_LIMIT).mean()), "within_1_percent_or_noise": explained,
-            "noise_percent": float(100 * np.median(noise)), "median_difference_percent": float(100 * np.median(relative)),
+            "noise_percent": float(100 * np.median(noise)), "noise_percent_95": float(100 * np.percentile(noise, 95)),
+            "median_difference_percent": float(100 * np.median(relative)),
             "rms_z": float(np.sqrt((z ** 2).mean())), "max_abs_z": float(np.abs(z).max()), "mean_ratio": ratio,
             "mean_ratio_noise": ratio_noise, "worst_blocks": [[x, y, round(100 * d, 2)] for d, x, y in worst],
             "agrees": explained >= SHARE_LIMIT and abs(ratio - 1) <= MEAN_LIMIT + 3 * ratio_noise}
@@ -195,6 +210,8 @@ def main():
     parser.add_argument("--size", type=int, default=96, help="pixels of a row")
     parser.add_argument("--spp", type=int, default=512)
     parser.add_argument("--seeds", type=int, default=6)
+    parser.add_argument("--noise", type=float, help="per cent: more seeds until a block's difference is known to that")
+    parser.add_argument("--most", type=int, default=48, help="seeds with --noise")
     parser.add_argument("--events", type=int, default=8, help="scattering events of a path")
     parser.add_argument("--variant", default="llvm_ad_rgb", help="of Mitsuba")
     parser.add_argument("--images", help="a folder for both images and their difference, of each scene")
