@@ -72,6 +72,17 @@ TEST(QuadLights, OnlyParallelogramsAreOne) {
     EXPECT_EQ(kinds_of(mesh_of({a, b, c, Vec3f(2, -1, 0)}, {0, 1, 2, 0, 2, 3}), lamp()), two);
     EXPECT_EQ(kinds_of(mesh_of({a, b, c, a, b, c}, {0, 1, 2, 3, 4, 5}), lamp()), two)
         << "one place";
+    // Corners that were rounded where they were turned.
+    for (int turn = 1; turn < 12; ++turn) {
+        const auto turned = [&](float x, float y) {
+            const double sine = std::sin(turn), cosine = std::cos(turn);
+            return Vec3f(Vec3d(cosine * double{x} - sine * double{y}, 0.3 * cosine * double{y} + 5,
+                               sine * double{x} + cosine * double{y} + turn));
+        };
+        const Mesh rect =
+            mesh_of({turned(0, 0), turned(2, 0), turned(2, 1), turned(0, 1)}, {0, 1, 2, 0, 2, 3});
+        EXPECT_EQ(kinds_of(rect, lamp()), one) << turn;
+    }
     // A strip of three squares and a half.
     const Vec3f e(4, 0, 0), f(4, 1, 0), g(6, 0, 0);
     EXPECT_EQ(
@@ -240,22 +251,82 @@ TEST(QuadLights, GiveTheirIrradiance) {
     EXPECT_LT(estimate.standard_error() / expected, 2e-3);
 }
 
-// Hits are rounded to either side of a slanted surface.
-TEST(FlatLights, DoNotLightThemselves) {
-    Material material = lamp(true);
-    material.base_color_factor = Vec4f(0.5f, 0.5f, 0.5f, 1);
+// Mean radiance and its standard error over pixels.
+stats::Moments seen(const SceneBuilder& builder, const Camera& camera, uint64_t passes,
+                    bool light_sampling = true, uint32_t depth = 1) {
+    PathSettings settings;
+    settings.max_depth = depth;
+    settings.next_event_estimation = light_sampling;
+    settings.sampler = SamplerKind::independent;
+    const Film film = render_film(SceneBuilder(builder).build(workers()), camera, settings, 64, 64,
+                                  passes, workers());
+    stats::Moments pixels;
+    for (const FilmPixel& pixel : film.pixels())
+        pixels.add(pixel.sum[1].value() / static_cast<double>(pixel.samples));
+    return pixels;
+}
+
+Material white(Material material, float albedo) {
+    material.base_color_factor = Vec4f(albedo, albedo, albedo, 1);
+    return material;
+}
+
+// Hits are rounded to either side of a slanted surface: none of these lights another or itself.
+TEST(FlatLights, DoNotLightTheirPlane) {
     const Vec3f corner(-3, -2, -7), along(6.1f, 0.3f, -1.7f), up(-0.2f, 4.3f, 0.9f);
+    const Mesh quad = SceneBuilder::quad(corner, along, up);
     const Mesh kite = mesh_of({corner, corner + along, corner + up, corner + 0.9f * (along + up)},
                               {0, 1, 3, 0, 3, 2});
-    for (const Mesh& mesh : {SceneBuilder::quad(corner, along, up), kite}) {
+    // One lamp with two fronts, back to back.
+    Mesh both = quad;
+    for (const std::size_t i : {2u, 1u, 0u, 5u, 4u, 3u})
+        both.indices.push_back(std::vector<uint32_t>(quad.indices)[i]);
+    for (const Mesh& mesh : {quad, kite, both}) {
         SceneBuilder builder;
-        builder.mesh(mesh, builder.material(material));
-        PathSettings settings;
-        settings.max_depth = 1;
-        const Film film =
-            render_film(builder.build(workers()), camera_at(Vec3d(0), Vec3d(0, 0, -7), 0.2),
-                        settings, 64, 64, 16, workers());
-        for (const FilmPixel& pixel : film.pixels()) EXPECT_EQ(pixel.sum[1].value(), 16);
+        builder.mesh(mesh, builder.material(white(lamp(mesh.indices.size() == 6), 0.5f)));
+        const stats::Moments pixels = seen(builder, camera_at(Vec3d(0), Vec3d(0, 0, -7), 0.2), 16);
+        EXPECT_EQ(pixels.mean(), 1);
+        EXPECT_EQ(pixels.variance(), 0);
+    }
+}
+
+// Radiance inside a sphere of emission 1 and this albedo is 1 / (1 - albedo), and none where only
+// the outside shines.
+TEST(SphereLights, AreLitFromInsideByWhatTheirInsideSends) {
+    for (const bool two_sided : {true, false}) {
+        SceneBuilder builder;
+        builder.sphere(Vec3d(1.1, 0.7, -0.3), 1.7, builder.material(white(lamp(two_sided), 0.5f)));
+        const stats::Moments pixels =
+            seen(builder, camera_at(Vec3d(1.3, 0.2, 0), Vec3d(0), 0.8), 16, true, 64);
+        const double expected = two_sided ? 2 : 0;
+        EXPECT_GT(stats::z_test(pixels.mean(), expected, pixels.standard_error() + 1e-6),
+                  stats::kFalseAlarm)
+            << pixels.mean();
+    }
+}
+
+// A lamp over a floor, with holes or half there: light sampling knows of them.
+TEST(FlatLights, ShineWhereTheyAreThere) {
+    const auto floor_under = [](const Material& material, bool light_sampling) {
+        SceneBuilder builder;
+        builder.mesh(SceneBuilder::quad(Vec3f(-9, 0, -9), Vec3f(0, 0, 18), Vec3f(18, 0, 0)),
+                     builder.material(SceneBuilder::diffuse(0.5f)));
+        builder.mesh(SceneBuilder::quad(Vec3f(-1, 2, -1), Vec3f(2, 0, 0), Vec3f(0, 0, 2)),
+                     builder.material(material));
+        builder.sphere(Vec3d(-3, 1, 0), 0.5, builder.material(material));
+        return seen(builder, camera_at(Vec3d(0, 1, 1), Vec3d(0), 0.5), 64, light_sampling);
+    };
+    const double whole = floor_under(lamp(), true).mean();
+    for (const AlphaMode mode : {AlphaMode::blend, AlphaMode::mask}) {
+        Material covered = lamp();
+        covered.alpha_mode = mode;
+        covered.base_color_factor.w = 0.25f;  // below the cutoff of masks
+        const double share = mode == AlphaMode::mask ? 0 : 0.25;
+        for (const bool light_sampling : {true, false}) {
+            const stats::Moments pixels = floor_under(covered, light_sampling);
+            const double error = 1.5 * pixels.standard_error() + 1e-9;
+            EXPECT_NEAR(pixels.mean(), share * whole, 4 * error) << light_sampling;
+        }
     }
 }
 

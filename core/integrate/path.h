@@ -103,7 +103,7 @@ void add_emission(const RenderScene& rs, const PathSettings& settings, const Ray
     show_value(recorder, PathValue::emission, Le);
     if (is_black(Le)) return;
     float weight = 1;
-    if (!path.specular && settings.next_event_estimation) {
+    if (!path.specular && settings.next_event_estimation && si.id != path.from_id) {
         const Vec3f p = si.p;
         float pdf = rs.lights().pdf_surface(path.from, path.n_from, si.id, p);
         show_value(recorder, PathValue::emission_pdf, pdf);
@@ -125,8 +125,8 @@ void add_direct_light(const RenderScene& rs, const Sampler& sampler, uint32_t bo
     show_value(recorder, PathValue::light, light->radiance);
     show_value(recorder, PathValue::light_pdf, light->pdf);
     if (is_black(light->radiance)) return;
-    // Rounding can leave a point just behind its own surface, which a two-sided light then covers
-    // wholly.
+    // Rounding can leave a point just behind its own surface, whose light then comes from all
+    // round.
     if (light->id == si.id) return;
     BsdfEval f = bsdf.eval(light->wi);
     show_value(recorder, PathValue::bsdf_value, f.f_cos);
@@ -219,6 +219,7 @@ MediumEvent cross_medium(const RenderScene& rs, const PathSettings& settings,
     path.specular_chain = false;
     path.from = p;
     path.n_from = Vec3f(0);
+    path.from_id = {};
     float q = 1;
     if (settings.russian_roulette && bounce >= kRouletteStart) q = survival(path);
     if (++path.medium_events > kLongWalk) q = std::min(q, walk_survival(path.medium_events));
@@ -355,6 +356,7 @@ TALBOT_FORCE_INLINE bool meet_surface(const RenderScene& rs, const PathSettings&
     path.specular_chain = path.specular_chain && scattered->delta;
     path.from = si.lit_point();
     path.n_from = n_lit;
+    path.from_id = si.id;
     if constexpr (kHasVolumes<kSurface>) {
         path.eta_scale *= scattered->eta * scattered->eta;
         if (crossing && scattered->transmitted && !params.thin)

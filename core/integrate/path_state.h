@@ -25,6 +25,7 @@ struct PathState {
     bool specular_chain = true;     // nothing but delta events since the camera
     Vec3f from{0};                  // the last vertex
     Vec3f n_from{0};                // its normal as light sampling was given it
+    PrimitiveId from_id{};          // and its surface, whose light sampling never counts
     float wavelength = 0;           // nanometres; 0 until a dispersive surface is met
     MediumStack media;              // volumes that the ray is inside of
     Medium medium;                  // of the one that fills the space

@@ -107,6 +107,19 @@ Rgb emitted_radiance(const Scene& scene, const Material& material, const Vec2f& 
     return radiance;
 }
 
+float surface_coverage(const Scene& scene, const Material& material, const Vec2f& uv0,
+                       const Vec2f& uv1, float vertex_alpha) {
+    if (material.alpha_mode == AlphaMode::opaque) return 1;
+    float alpha = material.base_color_factor.w * vertex_alpha;
+    if (kCompiledEffects.has(Effect::base_color_texture) && material.base_color_texture.used()) {
+        const TextureSlot& slot = material.base_color_texture;
+        const Vec2f uv = slot.apply(slot.uv_set == 0 ? uv0 : uv1);
+        alpha *= eval_texture(scene.textures()[slot.texture], uv, TextureEncoding::srgb).w;
+    }
+    if (material.alpha_mode == AlphaMode::mask) return alpha >= material.alpha_cutoff ? 1.0f : 0.0f;
+    return clamp01(alpha);
+}
+
 LightTable::LightTable(const Scene& scene, const LightTable* previous,
                        const LightSampling& sampling)
     : sampling_(sampling),

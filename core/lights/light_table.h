@@ -111,4 +111,9 @@ class LightTable {
 Rgb emitted_radiance(const Scene& scene, const Material& material, const Vec2f& uv0,
                      const Vec2f& uv1, bool front, float cos_theta);
 
+// Chance that a surface with an alpha mode is there at uv: 0 or 1 for masks. vertex_alpha is that
+// of the vertex colour.
+float surface_coverage(const Scene& scene, const Material& material, const Vec2f& uv0,
+                       const Vec2f& uv1, float vertex_alpha);
+
 }  // namespace talbot

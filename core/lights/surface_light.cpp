@@ -32,6 +32,14 @@ float longest_edge2(const Light& light) {
     return std::max({dot(light.e1, light.e1), dot(light.e2, light.e2), dot(e3, e3)});
 }
 
+float longest_edge(const Light& light) {
+    return std::sqrt(longest_edge2(light));
+}
+
+// How far the fourth corner of a quad may lie from that of a parallelogram, against the longest
+// edge: corners that were rounded where the scene was made.
+constexpr float kQuadError = 0x1p-19f;
+
 // A cheap guess whether cosine and distance vary over the light, the same on the sampling and the
 // density side: its solid angle, and for slender ones whether they reach far round the point.
 bool looks_large(const Light& light, const Vec3f& p) {
@@ -71,6 +79,13 @@ Vec2f uv_at(const Mesh& mesh, uint32_t triangle, int set, const Vec3f& weight) {
            weight[2] * mesh.uv[set][i[2]];
 }
 
+float vertex_alpha_at(const Mesh& mesh, uint32_t triangle, const Vec3f& weight) {
+    if (mesh.colors.empty()) return 1;
+    const uint32_t* i = &mesh.indices[std::size_t{3} * triangle];
+    return weight[0] * mesh.colors[i[0]].w + weight[1] * mesh.colors[i[1]].w +
+           weight[2] * mesh.colors[i[2]].w;
+}
+
 // Half-angle terms of the cone that a sphere fills from p: 1 - cos and cos, without cancellation.
 struct SphereCone {
     bool inside = false;
@@ -106,10 +121,16 @@ double one_minus_cos(double angle) {
     return 2 * s * s;
 }
 
-// Whether the light sends anything to p.
+// Whether the light sends anything to p. Where p cannot be told from a point of the light's own
+// plane it does not, for rounding alone would decide between nothing and light from all round: what
+// is to be seen of it there only scattering finds, and the density is 0, too.
 bool faces(const Light& light, const Vec3f& p) {
-    const float height = dot(p - light.p0, light.n);
-    return light.area > 0 && (height > 0 || (height < 0 && light.two_sided));
+    constexpr float kRounding = 0x1p-21f;  // of a hit, its surface and the normal, per unit of size
+    const Vec3f to_p = p - light.p0;
+    const Vec3f n = glm::abs(light.n);
+    const float height = dot(to_p, light.n);
+    const float room = kRounding * dot(n, glm::abs(p) + glm::abs(light.p0) + glm::abs(to_p));
+    return light.area > 0 && (height > room || (height < -room && light.two_sided));
 }
 
 // Weights of the corners of the triangle that holds the place. A triangle's edges, and a quad's
@@ -136,19 +157,26 @@ std::optional<LightSample> light_from(const Scene& scene, const Light& light, co
     if (place.pdf > 0 && dot(on - p, on - p) < kTouching * longest_edge2(light))
         sample.wi = Vec3f(place.drawn);
     if (!(sample.pdf > 0)) return std::nullopt;
-    const Vec3f error = gamma_bound(6) * (glm::abs(light.p0) + glm::abs(along1) + glm::abs(along2));
+    Vec3f error = gamma_bound(6) * (glm::abs(light.p0) + glm::abs(along1) + glm::abs(along2));
+    if (light.kind == LightKind::quad) error += Vec3f(kQuadError * longest_edge(light));
     sample.target = offset_ray_origin(on, error, light.n, p - on);
     sample.id = {light.id.instance, light.id.primitive + place.half};
     const Material& material = scene.materials()[light.material];
     sample.radiance = light.radiance;
-    if (material.emissive_texture.used() || material.clearcoat_factor > 0) {
+    const bool covered = material.alpha_mode == AlphaMode::opaque;
+    if (material.emissive_texture.used() || material.clearcoat_factor > 0 || !covered) {
         const Mesh& mesh =
             scene.geometry().meshes[scene.geometry().instances[light.id.instance].mesh];
         const Vec3f weight = corner_weights(light, place);
+        const Vec2f uv0 = uv_at(mesh, sample.id.primitive, 0, weight);
+        const Vec2f uv1 = uv_at(mesh, sample.id.primitive, 1, weight);
         sample.radiance =
-            emitted_radiance(scene, material, uv_at(mesh, sample.id.primitive, 0, weight),
-                             uv_at(mesh, sample.id.primitive, 1, weight),
-                             dot(p - light.p0, light.n) > 0, std::abs(dot(sample.wi, light.n)));
+            emitted_radiance(scene, material, uv0, uv1, dot(p - light.p0, light.n) > 0,
+                             std::abs(dot(sample.wi, light.n)));
+        if (!covered) {
+            const float vertex_alpha = vertex_alpha_at(mesh, sample.id.primitive, weight);
+            sample.radiance *= surface_coverage(scene, material, uv0, uv1, vertex_alpha);
+        }
     }
     return sample;
 }
@@ -213,14 +241,10 @@ std::optional<Light> make_quad_light(const Scene& scene, PrimitiveId first) {
             if (one.given[i1] != two.given[k2] || one.given[i2] != two.given[k1]) continue;
             const Vec3d& p = one.placed[i];
             const Vec3d across = one.placed[i1] + (one.placed[i2] - p);
-            const Vec3d size =
-                glm::max(glm::max(glm::abs(p), glm::abs(one.placed[i1])),
-                         glm::max(glm::abs(one.placed[i2]), glm::abs(two.placed[k])));
-            const Vec3d off = glm::abs(across - two.placed[k]);
-            const Vec3d room = static_cast<double>(gamma_bound(2)) * size;
-            if (off.x > room.x || off.y > room.y || off.z > room.z) continue;
             Light quad =
                 flat_light(scene, LightKind::quad, first, {p, one.placed[i1], one.placed[i2]});
+            const auto room = static_cast<double>(kQuadError * longest_edge(quad));
+            if (length(across - two.placed[k]) > room) continue;
             quad.first_corner[0] = static_cast<uint8_t>(i);
             quad.first_corner[1] = static_cast<uint8_t>(k);
             if (quad.area > 0) return quad;
@@ -291,7 +315,7 @@ std::optional<LightSample> sample_quad_light(const Scene& scene, const Light& li
 }
 
 float pdf_flat_light(const Light& light, const Vec3f& p, const Vec3f& hit_point) {
-    if (!(light.area > 0)) return 0;
+    if (!faces(light, p)) return 0;
     if (looks_large(light, p)) {
         const double omega = light.kind == LightKind::quad ? solid_angle(quad_from(light, p))
                                                            : solid_angle(view_from(light, p));
@@ -338,6 +362,10 @@ std::optional<LightSample> sample_sphere_light(const Scene& scene, const Light& 
         const Vec2f uv = sphere_uv(Vec3f(normal));
         sample.radiance = emitted_radiance(scene, material, uv, uv, true,
                                            std::abs(dot(sample.wi, Vec3f(normal))));
+    }
+    if (material.alpha_mode != AlphaMode::opaque) {
+        const Vec2f uv = sphere_uv(Vec3f(normal));
+        sample.radiance *= surface_coverage(scene, material, uv, uv, 1);
     }
     return sample;
 }
