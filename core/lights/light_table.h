@@ -39,6 +39,7 @@ struct Light {
     Vec3f n{0};            // triangle and quad: front side
     uint32_t sun = kNoId;  // directional: its disc among suns()
     float area = 0;
+    float slack = 0;   // of quads: how far their two halves may lie off the parallelogram
     Rgb radiance{0};   // factor x strength, before textures; intensity of punctual lights
     double power = 0;  // estimated luminous power, for the choice
 };

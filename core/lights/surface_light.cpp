@@ -32,10 +32,6 @@ float longest_edge2(const Light& light) {
     return std::max({dot(light.e1, light.e1), dot(light.e2, light.e2), dot(e3, e3)});
 }
 
-float longest_edge(const Light& light) {
-    return std::sqrt(longest_edge2(light));
-}
-
 // How far the fourth corner of a quad may lie from that of a parallelogram, against the longest
 // edge: corners that were rounded where the scene was made.
 constexpr float kQuadError = 0x1p-19f;
@@ -158,7 +154,7 @@ std::optional<LightSample> light_from(const Scene& scene, const Light& light, co
         sample.wi = Vec3f(place.drawn);
     if (!(sample.pdf > 0)) return std::nullopt;
     Vec3f error = gamma_bound(6) * (glm::abs(light.p0) + glm::abs(along1) + glm::abs(along2));
-    if (light.kind == LightKind::quad) error += Vec3f(kQuadError * longest_edge(light));
+    error += light.slack;
     sample.target = offset_ray_origin(on, error, light.n, p - on);
     sample.id = {light.id.instance, light.id.primitive + place.half};
     const Material& material = scene.materials()[light.material];
@@ -243,8 +239,8 @@ std::optional<Light> make_quad_light(const Scene& scene, PrimitiveId first) {
             const Vec3d across = one.placed[i1] + (one.placed[i2] - p);
             Light quad =
                 flat_light(scene, LightKind::quad, first, {p, one.placed[i1], one.placed[i2]});
-            const auto room = static_cast<double>(kQuadError * longest_edge(quad));
-            if (length(across - two.placed[k]) > room) continue;
+            quad.slack = kQuadError * std::sqrt(longest_edge2(quad));
+            if (length(across - two.placed[k]) > static_cast<double>(quad.slack)) continue;
             quad.first_corner[0] = static_cast<uint8_t>(i);
             quad.first_corner[1] = static_cast<uint8_t>(k);
             if (quad.area > 0) return quad;
