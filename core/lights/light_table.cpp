@@ -247,8 +247,7 @@ std::optional<LightSample> LightTable::sample(const Scene& scene, const Vec3f& p
                                               float u_choice, const Vec2f& u_light) const {
     // Without a tree the first number of the point picks, too: a stretched part of a
     // low-discrepancy sequence is one, so that each of a few lights is sampled as evenly as one
-    // alone. The bits that stretching moves up are filled with
-    // those of u_choice.
+    // alone. The bits that stretching moves up are filled with those of u_choice.
     Vec2f u = u_light;
     const bool joint = tree_.is_empty();
     const float u_spare = u_choice;

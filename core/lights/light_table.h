@@ -28,8 +28,8 @@ enum class LightKind : uint8_t { triangle, quad, sphere, point, spot, directiona
 struct Light {
     LightKind kind = LightKind::triangle;
     bool two_sided = false;
-    uint8_t first_corner[2] = {0,
-                               0};  // of the triangle, and of a quad's other half: see light_from
+    // Of the triangle, and of a quad's other half: the corner from which its edges run.
+    uint8_t first_corner[2] = {0, 0};
     uint32_t material = 0;
     PrimitiveId id{};       // of emissive surfaces; a quad is this triangle and the next one
     uint32_t punctual = 0;  // index of a punctual light

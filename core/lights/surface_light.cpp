@@ -159,8 +159,8 @@ std::optional<LightSample> light_from(const Scene& scene, const Light& light, co
     sample.id = {light.id.instance, light.id.primitive + place.half};
     const Material& material = scene.materials()[light.material];
     sample.radiance = light.radiance;
-    const bool covered = material.alpha_mode == AlphaMode::opaque;
-    if (material.emissive_texture.used() || material.clearcoat_factor > 0 || !covered) {
+    const bool opaque = material.alpha_mode == AlphaMode::opaque;
+    if (material.emissive_texture.used() || material.clearcoat_factor > 0 || !opaque) {
         const Mesh& mesh =
             scene.geometry().meshes[scene.geometry().instances[light.id.instance].mesh];
         const Vec3f weight = corner_weights(light, place);
@@ -169,7 +169,7 @@ std::optional<LightSample> light_from(const Scene& scene, const Light& light, co
         sample.radiance =
             emitted_radiance(scene, material, uv0, uv1, dot(p - light.p0, light.n) > 0,
                              std::abs(dot(sample.wi, light.n)));
-        if (!covered) {
+        if (!opaque) {
             const float vertex_alpha = vertex_alpha_at(mesh, sample.id.primitive, weight);
             sample.radiance *= surface_coverage(scene, material, uv0, uv1, vertex_alpha);
         }
