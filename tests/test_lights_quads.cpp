@@ -330,5 +330,36 @@ TEST(FlatLights, ShineWhereTheyAreThere) {
     }
 }
 
+// A lid close under a lamp keeps all its light.
+TEST(QuadLights, AreHiddenByALidCloseBefore) {
+    SceneBuilder builder;
+    builder.mesh(SceneBuilder::quad(Vec3f(-9, 0, -9), Vec3f(0, 0, 18), Vec3f(18, 0, 0)),
+                 builder.material(SceneBuilder::diffuse(0.5f)));
+    builder.mesh(SceneBuilder::quad(Vec3f(-1, 2, -1), Vec3f(2, 0, 0), Vec3f(0, 0, 2)),
+                 builder.material(lamp()));
+    builder.mesh(SceneBuilder::quad(Vec3f(-2, 2 - 2e-6f, -2), Vec3f(4, 0, 0), Vec3f(0, 0, 4)),
+                 builder.material(SceneBuilder::diffuse(0)));
+    EXPECT_EQ(seen(builder, camera_at(Vec3d(0, 1, 1), Vec3d(0), 0.5), 16).mean(), 0);
+}
+
+// Stripes of a two-sided sphere, between which its far side is seen.
+TEST(SphereLights, ShineThroughTheirHoles) {
+    SceneBuilder builder;
+    builder.mesh(SceneBuilder::quad(Vec3f(-9, 0, -9), Vec3f(0, 0, 18), Vec3f(18, 0, 0)),
+                 builder.material(SceneBuilder::diffuse(0.5f)));
+    Material stripes = lamp(true);
+    stripes.alpha_mode = AlphaMode::mask;
+    stripes.base_color_texture =
+        slot_of(add_texture(builder.desc(), 16, [](uint32_t x, uint32_t) -> std::array<int, 4> {
+            return {255, 255, 255, x / 2 % 2 == 0 ? 255 : 0};
+        }));
+    stripes.base_color_factor = Vec4f(1);
+    builder.sphere(Vec3d(0, 1, 0), 0.7, builder.material(stripes));
+    const Camera camera = camera_at(Vec3d(1.5, 1, 1.5), Vec3d(0.8, 0, 0.8), 0.3);
+    const stats::Moments both = seen(builder, camera, 64);
+    const stats::Moments scatter = seen(builder, camera, 512, false);
+    EXPECT_NEAR(both.mean(), scatter.mean(), 0.02 * scatter.mean());
+}
+
 }  // namespace
 }  // namespace talbot

@@ -331,6 +331,8 @@ float LightTable::pdf_surface(const Vec3f& p, const Vec3f& n, PrimitiveId id,
     const uint32_t index = light_of(id);
     if (index == kNoId) return 0;
     const Light& light = lights_[index];
+    // Of spheres only the near side is drawn.
+    if (light.has_holes && dot(hit_point - light.p0, p - hit_point) < 0) return 0;
     float probability = 1 - environment_probability_;
     if (tree_probability_ > 0) {
         // Surfaces have a place.

@@ -28,6 +28,8 @@ enum class LightKind : uint8_t { triangle, quad, sphere, point, spot, directiona
 struct Light {
     LightKind kind = LightKind::triangle;
     bool two_sided = false;
+    bool has_holes =
+        false;  // spheres: an alpha mode lets the far side be seen through the near one
     // Of the triangle, and of a quad's other half: the corner from which its edges run.
     uint8_t first_corner[2] = {0, 0};
     uint32_t material = 0;
@@ -39,7 +41,7 @@ struct Light {
     Vec3f n{0};            // triangle and quad: front side
     uint32_t sun = kNoId;  // directional: its disc among suns()
     float area = 0;
-    float slack = 0;   // of quads: how far their two halves may lie off the parallelogram
+    float slack = 0;   // of quads: how far their two halves lie off the parallelogram
     Rgb radiance{0};   // factor x strength, before textures; intensity of punctual lights
     double power = 0;  // estimated luminous power, for the choice
 };

@@ -239,8 +239,9 @@ std::optional<Light> make_quad_light(const Scene& scene, PrimitiveId first) {
             const Vec3d across = one.placed[i1] + (one.placed[i2] - p);
             Light quad =
                 flat_light(scene, LightKind::quad, first, {p, one.placed[i1], one.placed[i2]});
-            quad.slack = kQuadError * std::sqrt(longest_edge2(quad));
-            if (length(across - two.placed[k]) > static_cast<double>(quad.slack)) continue;
+            const double off = length(across - two.placed[k]);
+            if (off > static_cast<double>(kQuadError * std::sqrt(longest_edge2(quad)))) continue;
+            quad.slack = static_cast<float>(off);
             quad.first_corner[0] = static_cast<uint8_t>(i);
             quad.first_corner[1] = static_cast<uint8_t>(k);
             if (quad.area > 0) return quad;
@@ -257,6 +258,7 @@ Light make_sphere_light(const Scene& scene, uint32_t sphere) {
     light.id = {kSphereInstance, sphere};
     light.material = source.material;
     light.two_sided = material.double_sided;
+    light.has_holes = material.alpha_mode != AlphaMode::opaque;
     light.p0 = Vec3f(source.center);
     light.e2 = Vec3f(source.center - Vec3d(light.p0));
     const auto radius = static_cast<float>(source.radius);
