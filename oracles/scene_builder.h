@@ -9,6 +9,7 @@
 #include "core/integrate/kernel.h"
 #include "core/integrate/render_scene.h"
 #include "core/scene/scene.h"
+#include "oracles/stats/ztest.h"
 
 namespace talbot {
 
@@ -100,6 +101,14 @@ inline Film render_film(const std::shared_ptr<const Scene>& scene, const Camera&
         for (const TileCounts& c : counts) nonfinite->merge(c.nonfinite);
     }
     return film;
+}
+
+// The pixels' green means.
+inline stats::Moments pixel_moments(const Film& film) {
+    stats::Moments moments;
+    for (const FilmPixel& pixel : film.pixels())
+        moments.add(pixel.sum[1].value() / static_cast<double>(pixel.samples));
+    return moments;
 }
 
 // Mean of all pixels and channels.

@@ -258,12 +258,16 @@ stats::Moments seen(const SceneBuilder& builder, const Camera& camera, uint64_t 
     settings.max_depth = depth;
     settings.next_event_estimation = light_sampling;
     settings.sampler = SamplerKind::independent;
-    const Film film = render_film(SceneBuilder(builder).build(workers()), camera, settings, 64, 64,
-                                  passes, workers());
-    stats::Moments pixels;
-    for (const FilmPixel& pixel : film.pixels())
-        pixels.add(pixel.sum[1].value() / static_cast<double>(pixel.samples));
-    return pixels;
+    const Film film =
+        render_film(builder.build(workers()), camera, settings, 64, 64, passes, workers());
+    return pixel_moments(film);
+}
+
+SceneBuilder floor() {
+    SceneBuilder builder;
+    builder.mesh(SceneBuilder::quad(Vec3f(-9, 0, -9), Vec3f(0, 0, 18), Vec3f(18, 0, 0)),
+                 builder.material(SceneBuilder::diffuse(0.5f)));
+    return builder;
 }
 
 Material white(Material material, float albedo) {
@@ -279,8 +283,7 @@ TEST(FlatLights, DoNotLightTheirPlane) {
                               {0, 1, 3, 0, 3, 2});
     // One lamp with two fronts, back to back.
     Mesh both = quad;
-    for (const std::size_t i : {2u, 1u, 0u, 5u, 4u, 3u})
-        both.indices.push_back(std::vector<uint32_t>(quad.indices)[i]);
+    for (const std::size_t i : {2u, 1u, 0u, 5u, 4u, 3u}) both.indices.push_back(quad.indices[i]);
     for (const Mesh& mesh : {quad, kite, both}) {
         SceneBuilder builder;
         builder.mesh(mesh, builder.material(white(lamp(mesh.indices.size() == 6), 0.5f)));
@@ -308,9 +311,7 @@ TEST(SphereLights, AreLitFromInsideByWhatTheirInsideSends) {
 // A lamp over a floor, with holes or half there: light sampling knows of them.
 TEST(FlatLights, ShineWhereTheyAreThere) {
     const auto floor_under = [](const Material& material, bool light_sampling) {
-        SceneBuilder builder;
-        builder.mesh(SceneBuilder::quad(Vec3f(-9, 0, -9), Vec3f(0, 0, 18), Vec3f(18, 0, 0)),
-                     builder.material(SceneBuilder::diffuse(0.5f)));
+        SceneBuilder builder = floor();
         builder.mesh(SceneBuilder::quad(Vec3f(-1, 2, -1), Vec3f(2, 0, 0), Vec3f(0, 0, 2)),
                      builder.material(material));
         builder.sphere(Vec3d(-3, 1, 0), 0.5, builder.material(material));
@@ -332,9 +333,7 @@ TEST(FlatLights, ShineWhereTheyAreThere) {
 
 // A lid close under a lamp keeps all its light.
 TEST(QuadLights, AreHiddenByALidCloseBefore) {
-    SceneBuilder builder;
-    builder.mesh(SceneBuilder::quad(Vec3f(-9, 0, -9), Vec3f(0, 0, 18), Vec3f(18, 0, 0)),
-                 builder.material(SceneBuilder::diffuse(0.5f)));
+    SceneBuilder builder = floor();
     builder.mesh(SceneBuilder::quad(Vec3f(-1, 2, -1), Vec3f(2, 0, 0), Vec3f(0, 0, 2)),
                  builder.material(lamp()));
     builder.mesh(SceneBuilder::quad(Vec3f(-2, 2 - 2e-6f, -2), Vec3f(4, 0, 0), Vec3f(0, 0, 4)),
@@ -344,9 +343,7 @@ TEST(QuadLights, AreHiddenByALidCloseBefore) {
 
 // Stripes of a two-sided sphere, between which its far side is seen.
 TEST(SphereLights, ShineThroughTheirHoles) {
-    SceneBuilder builder;
-    builder.mesh(SceneBuilder::quad(Vec3f(-9, 0, -9), Vec3f(0, 0, 18), Vec3f(18, 0, 0)),
-                 builder.material(SceneBuilder::diffuse(0.5f)));
+    SceneBuilder builder = floor();
     Material stripes = lamp(true);
     stripes.alpha_mode = AlphaMode::mask;
     stripes.base_color_texture =

@@ -268,10 +268,7 @@ stats::Moments floor_radiance(Add add, const Material& material, const PathSetti
     const Film film =
         render_film(builder.build(workers()), camera_at(Vec3d(0, 1, 1), Vec3d(0), 1e-4), settings,
                     32, 32, passes, workers(), -1, nullptr, sampling);
-    stats::Moments pixels;
-    for (const FilmPixel& pixel : film.pixels())
-        pixels.add(pixel.sum[1].value() / static_cast<double>(pixel.samples));
-    return pixels;
+    return pixel_moments(film);
 }
 
 PathSettings one_bounce(bool nee = true) {

@@ -84,22 +84,26 @@ LightBounds bounds_of(const Scene& scene, const Light& light, double power) {
 
 }  // namespace
 
+namespace {
+
+Vec4f texel(const Scene& scene, const TextureSlot& slot, const Vec2f& uv0, const Vec2f& uv1,
+            TextureEncoding encoding) {
+    return eval_texture(scene.textures()[slot.texture], slot.apply(slot.uv_set == 0 ? uv0 : uv1),
+                        encoding);
+}
+
+}  // namespace
+
 Rgb emitted_radiance(const Scene& scene, const Material& material, const Vec2f& uv0,
                      const Vec2f& uv1, bool front, float cos_theta) {
     if (!front && !material.double_sided) return Rgb(0);
     Rgb radiance = material.emissive_factor * material.emissive_strength;
-    if (kCompiledEffects.has(Effect::emissive_texture) && material.emissive_texture.used()) {
-        const TextureSlot& slot = material.emissive_texture;
-        const Vec2f uv = slot.apply(slot.uv_set == 0 ? uv0 : uv1);
-        radiance *= Rgb(eval_texture(scene.textures()[slot.texture], uv, TextureEncoding::srgb));
-    }
+    if (kCompiledEffects.has(Effect::emissive_texture) && material.emissive_texture.used())
+        radiance *= Rgb(texel(scene, material.emissive_texture, uv0, uv1, TextureEncoding::srgb));
     if (kCompiledEffects.has(Effect::clearcoat) && material.clearcoat_factor > 0) {
         float coat = material.clearcoat_factor;
-        if (material.clearcoat_texture.used()) {
-            const TextureSlot& slot = material.clearcoat_texture;
-            const Vec2f uv = slot.apply(slot.uv_set == 0 ? uv0 : uv1);
-            coat *= eval_texture(scene.textures()[slot.texture], uv, TextureEncoding::linear).x;
-        }
+        if (material.clearcoat_texture.used())
+            coat *= texel(scene, material.clearcoat_texture, uv0, uv1, TextureEncoding::linear).x;
         constexpr float kF0 = 0.04f;
         const float m = 1 - std::min(cos_theta, 1.0f);
         radiance *= 1 - coat * (kF0 + (1 - kF0) * (m * m * m * m * m));
@@ -111,11 +115,8 @@ float surface_coverage(const Scene& scene, const Material& material, const Vec2f
                        const Vec2f& uv1, float vertex_alpha) {
     if (material.alpha_mode == AlphaMode::opaque) return 1;
     float alpha = material.base_color_factor.w * vertex_alpha;
-    if (kCompiledEffects.has(Effect::base_color_texture) && material.base_color_texture.used()) {
-        const TextureSlot& slot = material.base_color_texture;
-        const Vec2f uv = slot.apply(slot.uv_set == 0 ? uv0 : uv1);
-        alpha *= eval_texture(scene.textures()[slot.texture], uv, TextureEncoding::srgb).w;
-    }
+    if (kCompiledEffects.has(Effect::base_color_texture) && material.base_color_texture.used())
+        alpha *= texel(scene, material.base_color_texture, uv0, uv1, TextureEncoding::srgb).w;
     if (material.alpha_mode == AlphaMode::mask) return alpha >= material.alpha_cutoff ? 1.0f : 0.0f;
     return clamp01(alpha);
 }

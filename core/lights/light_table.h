@@ -28,8 +28,8 @@ enum class LightKind : uint8_t { triangle, quad, sphere, point, spot, directiona
 struct Light {
     LightKind kind = LightKind::triangle;
     bool two_sided = false;
-    bool has_holes =
-        false;  // spheres: an alpha mode lets the far side be seen through the near one
+    // Spheres: an alpha mode lets the far side be seen through the near one.
+    bool has_holes = false;
     // Of the triangle, and of a quad's other half: the corner from which its edges run.
     uint8_t first_corner[2] = {0, 0};
     uint32_t material = 0;

@@ -67,19 +67,14 @@ struct FlatSample {
     float pdf = 0;      // and its density; else 0
 };
 
-// With a weight for each corner of the triangle.
-Vec2f uv_at(const Mesh& mesh, uint32_t triangle, int set, const Vec3f& weight) {
-    if (mesh.uv[set].empty()) return Vec2f(0);
+// An attribute of the mesh's vertices, with a weight for each corner of the triangle; `absent`
+// where it has none.
+template <typename T>
+T attribute_at(const std::vector<T>& attribute, const Mesh& mesh, uint32_t triangle,
+               const Vec3f& weight, const T& absent) {
+    if (attribute.empty()) return absent;
     const uint32_t* i = &mesh.indices[std::size_t{3} * triangle];
-    return weight[0] * mesh.uv[set][i[0]] + weight[1] * mesh.uv[set][i[1]] +
-           weight[2] * mesh.uv[set][i[2]];
-}
-
-float vertex_alpha_at(const Mesh& mesh, uint32_t triangle, const Vec3f& weight) {
-    if (mesh.colors.empty()) return 1;
-    const uint32_t* i = &mesh.indices[std::size_t{3} * triangle];
-    return weight[0] * mesh.colors[i[0]].w + weight[1] * mesh.colors[i[1]].w +
-           weight[2] * mesh.colors[i[2]].w;
+    return weight[0] * attribute[i[0]] + weight[1] * attribute[i[1]] + weight[2] * attribute[i[2]];
 }
 
 // Half-angle terms of the cone that a sphere fills from p: 1 - cos and cos, without cancellation.
@@ -129,6 +124,14 @@ bool faces(const Light& light, const Vec3f& p) {
     return light.area > 0 && (height > room || (height < -room && light.two_sided));
 }
 
+// Of a place drawn evenly over the light's area, as density over solid angle.
+float pdf_by_area(const Light& light, const Vec3f& p, const Vec3f& on) {
+    const Vec3d to = Vec3d(on) - Vec3d(p);
+    const double distance2 = dot(to, to);
+    const double projected = std::abs(dot(to, Vec3d(light.n))) * light.area;
+    return projected > 0 ? static_cast<float>(distance2 * std::sqrt(distance2) / projected) : 0.0f;
+}
+
 // Weights of the corners of the triangle that holds the place. A triangle's edges, and a quad's
 // first half's, run from first_corner[0] to the next corner and the one after; the other half
 // starts across from there and runs back.
@@ -149,7 +152,7 @@ std::optional<LightSample> light_from(const Scene& scene, const Light& light, co
     const Vec3f on = light.p0 + along1 + along2;
     LightSample sample;
     sample.wi = safe_normalize(on - p, -light.n);
-    sample.pdf = place.pdf > 0 ? place.pdf : pdf_flat_light(light, p, on);
+    sample.pdf = place.pdf > 0 ? place.pdf : pdf_by_area(light, p, on);
     if (place.pdf > 0 && dot(on - p, on - p) < kTouching * longest_edge2(light))
         sample.wi = Vec3f(place.drawn);
     if (!(sample.pdf > 0)) return std::nullopt;
@@ -164,15 +167,17 @@ std::optional<LightSample> light_from(const Scene& scene, const Light& light, co
         const Mesh& mesh =
             scene.geometry().meshes[scene.geometry().instances[light.id.instance].mesh];
         const Vec3f weight = corner_weights(light, place);
-        const Vec2f uv0 = uv_at(mesh, sample.id.primitive, 0, weight);
-        const Vec2f uv1 = uv_at(mesh, sample.id.primitive, 1, weight);
+        const auto at = [&](const auto& attribute, const auto& absent) {
+            return attribute_at(attribute, mesh, sample.id.primitive, weight, absent);
+        };
+        const Vec2f uv0 = at(mesh.uv[0], Vec2f(0));
+        const Vec2f uv1 = at(mesh.uv[1], Vec2f(0));
         sample.radiance =
             emitted_radiance(scene, material, uv0, uv1, dot(p - light.p0, light.n) > 0,
                              std::abs(dot(sample.wi, light.n)));
-        if (!opaque) {
-            const float vertex_alpha = vertex_alpha_at(mesh, sample.id.primitive, weight);
-            sample.radiance *= surface_coverage(scene, material, uv0, uv1, vertex_alpha);
-        }
+        if (!opaque)
+            sample.radiance *=
+                surface_coverage(scene, material, uv0, uv1, at(mesh.colors, Vec4f(1)).w);
     }
     return sample;
 }
@@ -319,10 +324,7 @@ float pdf_flat_light(const Light& light, const Vec3f& p, const Vec3f& hit_point)
                                                            : solid_angle(view_from(light, p));
         return omega > 0 ? static_cast<float>(1 / omega) : 0.0f;
     }
-    const Vec3d to = Vec3d(hit_point) - Vec3d(p);
-    const double distance2 = dot(to, to);
-    const double projected = std::abs(dot(to, Vec3d(light.n))) * light.area;
-    return projected > 0 ? static_cast<float>(distance2 * std::sqrt(distance2) / projected) : 0.0f;
+    return pdf_by_area(light, p, hit_point);
 }
 
 std::optional<LightSample> sample_sphere_light(const Scene& scene, const Light& light,
@@ -356,14 +358,11 @@ std::optional<LightSample> sample_sphere_light(const Scene& scene, const Light& 
     sample.id = light.id;
     const Material& material = scene.materials()[light.material];
     sample.radiance = light.radiance;
-    if (material.emissive_texture.used() || material.clearcoat_factor > 0) {
+    if (material.emissive_texture.used() || material.clearcoat_factor > 0 || light.has_holes) {
         const Vec2f uv = sphere_uv(Vec3f(normal));
         sample.radiance = emitted_radiance(scene, material, uv, uv, true,
-                                           std::abs(dot(sample.wi, Vec3f(normal))));
-    }
-    if (material.alpha_mode != AlphaMode::opaque) {
-        const Vec2f uv = sphere_uv(Vec3f(normal));
-        sample.radiance *= surface_coverage(scene, material, uv, uv, 1);
+                                           std::abs(dot(sample.wi, Vec3f(normal)))) *
+                          surface_coverage(scene, material, uv, uv, 1);
     }
     return sample;
 }

@@ -204,13 +204,6 @@ constexpr double kWalkRounding = 1e-4;
 // A largest of up to 168 with 63 degrees of freedom exceeds it once in a thousand runs.
 constexpr double kMostErrors = 5;
 
-stats::Moments of_pixels(const Film& film) {
-    stats::Moments m;
-    for (const FilmPixel& pixel : film.pixels())
-        m.add(pixel.sum[1].value() / static_cast<double>(pixel.samples));
-    return m;
-}
-
 // Thin bodies take many: ways spread by a third to a half of their mean, which a million of them
 // know to 0.05 %.
 int full_walks(float sigma) {
@@ -251,7 +244,7 @@ CaseResult run(Effort effort) {
                                                   camera_at(Vec3d(0, 0, 6), Vec3d(0), 0.12),
                                                   endless, 8, 8, full ? 256 : 16, pool, -1, &bad);
                     result.nonfinite += bad.total();
-                    const stats::Moments pixels = of_pixels(film);
+                    const stats::Moments pixels = pixel_moments(film);
                     const double e = std::abs(pixels.mean() - 1);
                     const double error = std::hypot(pixels.standard_error(), kWalkRounding);
                     const auto where = [&] {
